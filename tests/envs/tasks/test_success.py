@@ -12,13 +12,7 @@ from arms import physics, state
 
 LOOSE = dict.fromkeys(TOLERANCES, 5.0)
 TINY = 1e-6
-UNTIL = {
-    "RangeOfMotion": 12.0,
-    "Ratchet": 2.0,
-    "Hammer": 0.6,
-    "ReachPanel": 0.6,
-    "OverheadHold": 0.3,
-}  # s
+UNTIL = {"RangeOfMotion": 12.0, "Ratchet": 2.0, "Hammer": 0.6, "ReachPanel": 0.6}  # s
 ALWAYS = {"tracking", "effort"}
 
 
