@@ -96,7 +96,11 @@ def test_files_that_are_no_motion_are_refused(tmp_path):
         (changed(7, 2, "nan"), HEADER, "shoulder_flexion is .*: give a finite number"),
         ([*SWING[:9].tolist(), [1, 2]], HEADER, "line 11: 2 cells where the header has 5"),
         (SWING * [1e-4, 1, 1, 1, 1], HEADER, "lasts 9.8e-05 s: use 0.02 to 3600 s"),
-        (SWING + np.eye(5)[3] * 2.5, HEADER, r"takes elbow_flexion from .* to .* rad: stay between"),
+        (
+            SWING + np.eye(5)[3] * 2.5,
+            HEADER,
+            r"elbow_flexion from .* to .* rad: stay between",
+        ),
     ]
     assert_refused(recorded, rows)
     rows = [(path, "cannot read the motion ") for path in ("nowhere.csv", ".", None, 3, "a\0b")]
