@@ -1,13 +1,16 @@
 """Our postures on MyoArm: where its hand is, its moment arms and its forces."""
 
+import sys
+
 import mujoco
+import myo_sim
 import numpy as np
 import pytest
 from activesuit.benchmarks.muscles import map_errors
 from activesuit.envs.muscles import MyoArm
 from activesuit.envs.muscles.mapping import OWN, THIRD, decomposed, shoulder_axes, turn
-from activesuit.envs.muscles.myoarm import JOINTS
-from activesuit.errors import InputError
+from activesuit.envs.muscles.myoarm import JOINTS, myoarm_spec
+from helpers import assert_refused
 
 RNG = np.random.default_rng(0)
 ANGLE = RNG.uniform([0.02, -0.4, 0.05, -0.7], [1.4, 2.2, 2.1, 0.7], (40, 4))
@@ -46,6 +49,10 @@ def test_moment_arms_are_differences_of_lengths(arm):
         h = STEP * np.eye(4)[joint]
         change = lengths(arm, arm.angles(ANGLE + h)) - lengths(arm, arm.angles(ANGLE - h))
         assert arms[:, axis] == pytest.approx(-change / (2 * STEP), abs=1e-8)
+    for axis, name in ((4, "pro_sup_r"), (6, "deviation_r")):
+        h, theirs = STEP * np.eye(7)[JOINTS.index(name)], arm.angles(ANGLE)
+        change = lengths(arm, theirs + h) - lengths(arm, theirs - h)
+        assert arms[:, axis] * arm.signs[axis] == pytest.approx(-change / (2 * STEP), abs=1e-8)
 
 
 def test_moment_arms_about_the_third_axis(arm):
@@ -60,15 +67,6 @@ def test_moment_arms_about_the_third_axis(arm):
         found.append(lengths(arm, theirs))
     arms = arm.geometry(ANGLE, RATE).arms[:, THIRD]
     assert arms == pytest.approx(-(found[0] - found[1]) / (2 * STEP), abs=1e-7)
-
-
-def test_moment_arms_about_forearm_and_deviation(arm):
-    arms = arm.geometry(ANGLE, RATE).arms
-    for axis, name in ((4, "pro_sup_r"), (6, "deviation_r")):
-        h = STEP * np.eye(7)[JOINTS.index(name)]
-        theirs = arm.angles(ANGLE)
-        change = lengths(arm, theirs + h) - lengths(arm, theirs - h)
-        assert arms[:, axis] * arm.signs[axis] == pytest.approx(-change / (2 * STEP), abs=1e-8)
 
 
 def test_speeds_are_rates_of_lengths(arm):
@@ -92,43 +90,28 @@ def test_forces_are_those_of_the_muscle_functions(arm):
             assert found.passive[i, m] == pytest.approx(slack, abs=1e-9)
 
 
-def test_threads_change_nothing(arm):
+def test_threads_change_nothing_and_postures_outside_the_ranges_are_named(arm):
+    angle = np.array([[0.1, 0.5, 1.0, 0.0], [0.1, 0.5, 2.4, 0.0], [0.0, -0.05, 0.5, 0.0]])
+    assert arm.geometry(angle, np.zeros((3, 4))).outside.tolist() == [False, True, False]
     angle, rate = np.repeat(ANGLE, 20, axis=0), np.repeat(RATE, 20, axis=0)
     one, many = (arm.geometry(angle, rate, threads=n) for n in (1, 3))
     assert all(np.array_equal(a, b) for a, b in zip(one, many, strict=True))
 
 
-def test_postures_outside_the_ranges_are_named(arm):
-    angle = np.array([[0.1, 0.5, 1.0, 0.0], [0.1, 0.5, 2.4, 0.0], [0.0, -0.05, 0.5, 0.0]])
-    assert arm.geometry(angle, np.zeros((3, 4))).outside.tolist() == [False, True, False]
-
-
-@pytest.mark.parametrize(("kind", "name"), [("muscle", "DELT1"), ("joint", "elbow_flexion_r")])
-def test_models_that_lack_a_part_are_refused(monkeypatch, kind, name):
-    import myo_sim
-    from activesuit.envs.muscles.myoarm import myoarm_spec
-
+@pytest.mark.parametrize(
+    ("kind", "name", "joints"),
+    [("muscle", "DELT1", JOINTS), ("joint", "elbow_flexion_r", JOINTS[:3])],
+)
+def test_models_that_lack_a_part_are_refused(monkeypatch, kind, name, joints):
     spec = mujoco.MjSpec()
     body = spec.worldbody.add_body(name="humerus_r", mass=1, inertia=[1, 1, 1])
-    body.add_joint(name="elv_angle_r")
-    if kind == "muscle":
-        for joint in JOINTS[1:]:
-            body = body.add_body(mass=1, inertia=[1, 1, 1])
-            body.add_joint(name=joint)
-    else:
-        for joint in JOINTS[1:3]:
-            body = body.add_body(mass=1, inertia=[1, 1, 1])
-            body.add_joint(name=joint)
+    for joint in joints:
+        body.add_joint(name=joint)
+        body = body.add_body(mass=1, inertia=[1, 1, 1])
     monkeypatch.setattr(myo_sim, "load_spec", lambda _: spec)
-    with pytest.raises(InputError, match=f"without the {kind} '{name}': install version"):
-        myoarm_spec()
+    assert_refused(myoarm_spec, [(f"without the {kind} '{name}': install version",)])
 
 
 def test_the_extra_is_named_where_it_is_missing(monkeypatch):
-    import sys
-
-    from activesuit.envs.muscles.myoarm import myoarm_spec
-
     monkeypatch.setitem(sys.modules, "myo_sim", None)
-    with pytest.raises(InputError, match=r"activesuit\[muscles\]"):
-        myoarm_spec()
+    assert_refused(myoarm_spec, [(r"activesuit\[muscles\]",)])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from activesuit.envs.muscles import MyoArm
 from activesuit.envs.muscles.metabolic import MODELS, bhargava, muscle_masses, umberger
+from activesuit.envs.muscles.myoarm import Geometry
 
 
 @pytest.fixture(scope="module")
@@ -13,8 +14,6 @@ def arm():
 
 def geometry(arm, *, length=1.0, speed=0.0, full=1.0, isometric=1.0):
     """One sample in which all muscles have the same length, speed in lengths/s and force."""
-    from activesuit.envs.muscles.myoarm import Geometry
-
     ones = np.ones((1, len(arm.muscles)))
     return Geometry(
         length=length * ones,
