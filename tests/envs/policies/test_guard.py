@@ -1,5 +1,8 @@
 """The passivity guard."""
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
@@ -56,12 +59,7 @@ class Drive:
 
 
 def test_it_stops_a_policy_that_drives(monkeypatch):
-    import sys
-    import types
-
-    module = types.ModuleType("drives")
-    module.Drive = Drive
-    monkeypatch.setitem(sys.modules, "drives", module)
+    monkeypatch.setitem(sys.modules, "drives", SimpleNamespace(Drive=Drive))
     arms = ArmEnv("ElbowFlexion", gravity="microgravity").rows(2, max_episode_steps=400)
     wild = rollout(arms, make_policy("drives:Drive", arms), [1, 2])
     policy = make_policy("drives:Drive:guard=true", arms)
