@@ -3,11 +3,9 @@
 import gymnasium
 import numpy as np
 import own_rewards
-import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.vector_env import ArmVectorEnv
-from activesuit.errors import InputError
 from helpers import assert_refused
 
 
@@ -27,7 +25,8 @@ def test_terms_are_those_of_the_shipped_reward():
 
 
 def test_a_single_arm_is_a_row():
-    one = steps(ArmEnv("ArmTracking", reward="own_rewards:gentle"), 10, 2)
+    named = {"reward": "own_rewards:gentle"}
+    one = steps(gymnasium.make("ActiveSuit/ArmTracking-v0", **named), 10, 2)
     rows = steps(ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle), 10, (2, 2))
     np.testing.assert_array_equal(rows[:, 0], one)
 
@@ -47,6 +46,13 @@ def test_measurements_have_their_shapes():
     assert "encoder_angle" not in seen  # what sensors read is no measurement of the arm
 
 
+def test_rows_that_begin_anew_have_no_reward():
+    """In the mode NextStep the reward is of the rows that move."""
+    env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, max_episode_steps=2)
+    rewards = steps(env, 3, (2, 2))
+    assert (rewards[1] > 0).all() and (rewards[2] == 0).all()
+
+
 def test_the_period_in_which_the_arm_is_lost():
     env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, autoreset_mode="SameStep")
     env.reset(seed=0)
@@ -55,15 +61,6 @@ def test_the_period_in_which_the_arm_is_lost():
     _, reward, terminated, _, _ = env.step(np.zeros((2, 2)))
     assert terminated.tolist() == [False, True]
     assert reward[1] == -1.0 < reward[0]
-
-
-def test_rows_that_begin_anew_have_no_reward():
-    """In the mode NextStep the reward is of the rows that move."""
-    env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, max_episode_steps=2)
-    env.reset(seed=0)
-    rewards = [env.step(np.zeros((2, 2)))[1] for _ in range(3)]
-    assert (rewards[1] > 0).all()
-    assert (rewards[2] == 0).all()
 
 
 def test_mistakes():
@@ -75,14 +72,6 @@ def test_mistakes():
         (5, "the reward is 5: give a function"),
     ]
     assert_refused(lambda given: steps(ArmEnv("ArmTracking", reward=given), 1, 2), rows)
-
-
-def test_scores_stay_those_of_the_shipped_reward():
-    with pytest.raises(InputError, match="scores are those of the shipped reward"):
-        evaluate("ActiveSuit/ArmTracking-v0", ["none"], episodes=8, reward=shipped)
-
-
-def test_gymnasium_makes_it_with_a_name():
-    env = gymnasium.make("ActiveSuit/ArmTracking-v0", reward="own_rewards:gentle")
-    env.reset(seed=0)
-    assert np.isfinite(env.step(np.zeros(2))[1])
+    message = "scores are those of the shipped reward"
+    given = {"episodes": 8, "reward": shipped}
+    assert_refused(lambda: evaluate("ActiveSuit/ArmTracking-v0", ["none"], **given), [(message,)])
