@@ -15,7 +15,6 @@ from activesuit.envs.evaluation import FIRST_SEED, evaluate
 from activesuit.envs.policies import POLICIES, PolicySpec
 from activesuit.envs.policies.trained import shipped_policies
 from activesuit.envs.tasks import TASKS
-from activesuit.errors import InputError
 from helpers import assert_refused, short_benchmark
 
 MOTIONS = 8
