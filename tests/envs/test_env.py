@@ -1,19 +1,12 @@
 """The Gymnasium environments: reproducibility and honest observations."""
 
-import multiprocessing
-
-import activesuit
-import gymnasium
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.hysteresis import UncertifiedModelError
 from arms import addresses, state
 from helpers import assert_refused
-
-IDS = [f"ActiveSuit/{task}-v0" for task in activesuit.TASKS]
 
 
 def play(env, steps, seed):
@@ -104,29 +97,6 @@ def test_uncertified_suit_needs_consent():
     env = ArmEnv(suit="published-2022", allow_uncertified=True)
     env.reset(seed=0)
     env.step(np.zeros(2))
-
-
-def test_a_suit_may_resist_some_joints_or_none(tmp_path):
-    suit = load_suit("mock-suit")
-    for joints in (["elbow_flexion"], []):
-        kept = {joint: suit.joints[joint] for joint in joints}
-        save_suit(suit.model_copy(update={"joints": kept}), tmp_path / "some.json")
-        env = ArmEnv(suit=str(tmp_path / "some.json"))
-        env.reset(seed=0)
-        info = env.step(np.zeros(2))[-1]
-        moved = [joint for joint, torque in zip(JOINTS, info["suit_torque"], strict=True) if torque]
-        assert moved == joints
-
-
-def first_observation(env_id):
-    return gymnasium.make(env_id).reset(seed=0)[0].tolist()
-
-
-@pytest.mark.slow
-def test_module_prefixed_id_works_in_spawned_workers():
-    env_id = f"activesuit:{IDS[1]}"
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        assert pool.apply(first_observation, (env_id,)) == first_observation(env_id)
 
 
 def test_a_history_contains_the_last_observations():

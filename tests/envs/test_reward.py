@@ -9,7 +9,8 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout, score
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
-from activesuit.envs.policies import make_policy
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
 from activesuit.envs.simulation.wearer_control import USUAL
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
@@ -111,23 +112,17 @@ def test_chatter_shows_and_costs():
     assert noisy < 0.95 * smooth
 
 
-class Down:
+class Down(NoAssist):
     """Pushes the arm down with all that motors have."""
 
-    def __init__(self, arms):
-        self.shape = arms.action_space.shape
-
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return np.full(self.shape, -1.0)
+    def torque(self, seen):
+        return super().torque(seen) - self.peak
 
 
 def test_who_ends_early_scores_below_who_goes_on():
     weak = Person.percentile("female", 5)
     arms = ArmVectorEnv(4, wearer=weak, payload={"mass": 5.0}, threads=1)
-    policies = make_policy("none", arms), Down(arms)
+    policies = make_policy("none", arms), Down(Plant.of(arms.episodes))
     none, down = (score("it", rollout(arms, policy, range(4))) for policy in policies)
     assert down.failures == 4
     assert (np.array(down.reward) < np.array(none.reward)).all()

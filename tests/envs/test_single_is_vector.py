@@ -4,6 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
+from activesuit.envs.simulation.plan import Plan
+from activesuit.envs.tasks import RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from gymnasium.vector import AutoresetMode
 
@@ -18,6 +20,7 @@ TERMS = {
 }
 VARIED = {
     "fatigue": True,
+    "faults": {"late": 0.2, "lost": 0.2, "torque_bias": 1},
     "exo": {"encoder_delay": 0.02},
     "control": {"noise": 1.0, "tremor": 0.01, "adaptation": 0.8},
     "randomize": TERMS,
@@ -27,14 +30,28 @@ MODES = ["NextStep", "SameStep", "Disabled"]
 SHORT = 13  # control periods of an episode
 
 
+class Juggle(RandomMoves):
+    """Loads are taken up and put down within each episode."""
+
+    carries = True
+
+    def plan(self, rng, samples, dt, arm):
+        mass = np.repeat(rng.uniform(0, 3, samples // 5 + 1), 5)[:samples]
+        mass[::4] = 0.0
+        return Plan(self.motion(rng, samples, dt), mass)
+
+
+TASK = Juggle(name="Juggle", span={"elbow_flexion": (0.5, 1.5)})
+
+
 def make(n, threads=1, mode="NextStep", coupling="rigid", **options):
     options = {**VARIED, "coupling": coupling, "sensors": SUITES, **options}
     if coupling == "cuffs":
         options["randomize"] = {**TERMS, "misalignment": 0.01}
         options["sensors"] = [*SUITES, "cuffs"]
-    singles = [ArmEnv("ElbowFlexion", **options) for _ in range(n)]
+    singles = [ArmEnv(TASK, **options) for _ in range(n)]
     limit = {"max_episode_steps": SHORT, "threads": threads, "autoreset_mode": mode}
-    arms = ArmVectorEnv(n, "ElbowFlexion", info="full", **limit, **options)
+    arms = ArmVectorEnv(n, TASK, info="full", **limit, **options)
     return arms, [gymnasium.wrappers.TimeLimit(single, SHORT) for single in singles]
 
 

@@ -24,26 +24,19 @@ MOTIONS = 8
 DT = 0.01
 
 
-class Push:
+class Push(NoAssist):
     """Pushes the arm down a little, whatever happens."""
 
-    sensors = ("encoders",)
+    command = -0.1
 
-    def __init__(self, plant):
-        self.motors = plant.motors
-
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return np.full((*observation.shape[:-1], self.motors), -0.1)
+    def torque(self, seen):
+        return super().torque(seen) + self.command * self.peak
 
 
 class Lose(Push):
     """Pushes with all it has."""
 
-    def act(self, observation):
-        return np.full((*observation.shape[:-1], self.motors), -1.0)
+    command = -1.0
 
 
 @pytest.fixture(scope="module")

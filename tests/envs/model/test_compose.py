@@ -1,15 +1,17 @@
-"""Every configuration compiles, hangs as heavy as it must, and survives noise."""
+"""Every configuration compiles, weighs what it must, wears its suit and survives noise."""
 
 from itertools import product
 
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, load_suit, save_suit, suit_names
+from activesuit.assets import JOINTS, Suit, load_suit, save_suit, suit_names
 from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm, compose
+from activesuit.envs.model.compose import resisting_joints
 from activesuit.envs.model.config import COUPLINGS, SIDES
 from activesuit.envs.person import segments
 from arms import PEOPLE
+from helpers import assert_refused, without_volume_shares
 from scipy.stats import qmc
 
 FEW = [
@@ -75,16 +77,11 @@ def control_limits(model):
     return np.array(limits).T
 
 
-def horizontal(model):
+def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
+    """Gravity torque of the horizontal arm [N·m]."""
     data = mujoco.MjData(model)
     data.joint("shoulder_flexion").qpos[0] = np.pi / 2
     mujoco.mj_forward(model, data)
-    return data
-
-
-def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
-    """Gravity torque of the horizontal arm [N·m]."""
-    data = horizontal(model)
     return [data.joint(joint).qfrc_bias[0] for joint in joints]
 
 
@@ -111,16 +108,6 @@ def test_an_arm_without_suit_and_exoskeleton_weighs_what_the_bare_arm_does(perso
     )
     for model in (compose(config), bare_arm(config)):
         np.testing.assert_allclose(gravity_torque(model), [shoulder, elbow], rtol=1e-12)
-
-
-def test_a_payload_weighs_what_it_weighs():
-    empty, loaded = (compose(ArmConfig(suit="none", payload={"mass": mass})) for mass in (0.0, 4.0))
-    data = horizontal(loaded)
-    np.testing.assert_allclose(data.body("payload").xipos, data.geom("payload").xpos, atol=1e-12)
-    lever = data.body("payload").xipos[0] - data.site("elbow_center").xpos[0]
-    difference = gravity_torque(loaded)[1] - gravity_torque(empty)[1]
-    assert difference == pytest.approx(4.0 * 9.81 * lever, rel=1e-9)
-    assert loaded.body("exo_hand").id == loaded.body("payload").parentid[0]
 
 
 @pytest.mark.parametrize("fields", FEW[1:4], ids=range(3))
@@ -164,3 +151,51 @@ def test_a_suit_file_with_a_new_content_is_read_again(tmp_path):
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     save_suit(suit.model_copy(update={"joints": elbow}), path)
     assert compose(ArmConfig(suit=path)).nplugin == 1
+
+
+PROPORTIONAL = without_volume_shares(load_suit("emu-like"))
+
+
+@pytest.mark.parametrize("pressure", [40.0, 0.0])
+def test_a_config_scales_the_suit_to_its_pressure(pressure):
+    scaled = resisting_joints(ArmConfig(suit=PROPORTIONAL, pressure=pressure))
+    assert resisting_joints(ArmConfig(suit=PROPORTIONAL)) == PROPORTIONAL.joints
+    assert scaled == PROPORTIONAL.at_pressure(pressure).joints
+    assert compose(ArmConfig(suit=PROPORTIONAL, pressure=pressure)).nplugin == len(scaled)
+    used = ArmConfig(suit=PROPORTIONAL, pressure=pressure, preconditioned=True)
+    assert resisting_joints(used) == PROPORTIONAL.at_pressure(pressure).preconditioned().joints
+
+
+def test_the_pressure_of_the_papers_suit_is_not_known():
+    assert_refused(compose, [(ArmConfig(pressure=40.0), "does not tell at which its torque")])
+
+
+def test_a_preconditioned_suit_begins_in_its_steady_cycle():
+    fresh, used = (ArmConfig(preconditioned=used) for used in (False, True))
+    data = mujoco.MjData(model := compose(used))
+    data.qpos[:] = angles = [0.4, 0.6, 0.8, 0.3]
+    mujoco.mj_forward(model, data)
+    for joint, angle in zip(JOINTS, angles, strict=True):
+        torque = -data.sensor(f"{joint}_suit_torque").data[0]
+        entry = resisting_joints(used)[joint]
+        assert torque == entry.response([angle])[0]
+        loop = entry.steady_cycle()
+        assert torque == pytest.approx(np.interp(angle, loop.angle, loop.rising), rel=1e-3)
+        assert abs(torque - resisting_joints(fresh)[joint].response([angle])[0]) > 0.05
+    mujoco.mj_resetData(model, data)
+    assert compose(fresh).npluginstate == model.npluginstate
+
+
+def test_a_volume_share_reaches_the_physics():
+    elbow = load_suit("emu-like").joints["elbow_flexion"]
+    gas = elbow.model_copy(update={"volume_share": 0.8})
+    suit = Suit(name="s", description="", pressure_kpa=29.6, joints={"elbow_flexion": gas})
+    for pressure in (0.0, 40.0):
+        model = compose(ArmConfig(suit=suit, pressure=pressure))
+        data = mujoco.MjData(model)
+        data.qpos[2] = 1.3
+        mujoco.mj_forward(model, data)
+        expected = suit.at_pressure(pressure).joints["elbow_flexion"].response([1.3])[0]
+        torque = -data.sensor("elbow_flexion_suit_torque").data[0]
+        assert torque == pytest.approx(expected, abs=1e-12)
+        assert (torque > elbow.response([1.3])[0]) == (pressure > 29.6)

@@ -73,21 +73,3 @@ def test_a_motor_that_stops_gives_no_torque(usual):
     np.testing.assert_allclose(  # the controller's own command is what it was
         found["previous_action"], usual[0]["previous_action"], atol=1e-6
     )
-
-
-def test_rows_are_single_arms_and_states_go_on():
-    faults = {"late": 0.2, "lost": 0.2, "torque_bias": 1}
-    options = {"coupling": "cuffs", "sensors": SUITES, "faults": faults}
-    arms, one = ArmEnv(**options).rows(2), ArmEnv(**options)
-    seen = [arms.reset(seed=[5, 6])[0][1]]
-    alone = [one.reset(seed=6)[0]]
-    for k in range(90):
-        action = np.full(2, 0.1 * np.sin(0.1 * k))
-        seen.append(arms.step(np.tile(action, (2, 1)))[0][1])
-        alone.append(one.step(action)[0])
-        if k == 40:
-            state = one.get_state()
-    np.testing.assert_array_equal(seen, alone)
-    one.set_state(state)
-    for k in range(41, 90):
-        np.testing.assert_array_equal(one.step(np.full(2, 0.1 * np.sin(0.1 * k)))[0], alone[k + 1])

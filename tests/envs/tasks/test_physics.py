@@ -97,6 +97,9 @@ def test_a_wearer_bears_what_he_has_picked_up():
     for _ in range(40):
         env.step(np.zeros(0))
     assert state(env).load[0] == 0
+    loaded = ArmEnv(PICK_UP, payload={"mass": 0.5}, **BARE)
+    loaded.reset(seed=0)
+    assert set(state(loaded).carried[0]) == {0.5, 0.5 + MASS}  # the payload stays in the hand
 
 
 @pytest.mark.parametrize("options", ARMS.values(), ids=ARMS)
@@ -245,3 +248,25 @@ def test_both_references_bear_the_reaction_of_a_tool(reference):
         env.reset(seed=0)
         torque.append([env.step(np.zeros(0))[-1]["human_torque"] for _ in range(150)])
     assert np.abs(np.subtract(*torque)).mean() > 2  # N·m
+
+
+@pytest.mark.parametrize("name", ["Scoop", "Handrail"])
+def test_randomize_load_multiplies_masses_and_pushes(name):
+    task = replace(TASKS[name], duration=1.0)
+    plain, drawn = (ArmEnv(task, coupling="none", randomize={"load": share}) for share in (0, 0.5))
+    factors = []
+    for seed in range(12):
+        loads = []
+        for env in (plain, drawn):
+            env.reset(seed=seed)
+            own = state(env).push if name == "Handrail" else state(env).carried
+            loads.append(own[0].copy())
+            angle = state(env).angle[0].copy()
+        np.testing.assert_array_equal(angle, state(plain).angle[0])  # the motion is the same
+        there = loads[0] != 0
+        ratio = loads[1][there] / loads[0][there]
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+        np.testing.assert_array_equal(loads[1][~there], 0.0)
+        factors.append(ratio[0])
+    assert 0.5 <= min(factors) < 0.8
+    assert 1.2 < max(factors) <= 1.5
