@@ -1,12 +1,14 @@
-"""The reward, the costs beside it, and that nobody gains from ending early."""
+"""The reward, the costs beside it, that nobody gains from ending early, and own rewards."""
 
 from types import SimpleNamespace
 
+import gymnasium
 import numpy as np
+import own_rewards
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation import rollout, score
+from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
 from activesuit.envs.plant import Plant
@@ -16,6 +18,7 @@ from activesuit.envs.simulation.wearer_control import USUAL
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from arms import addresses, physics
+from helpers import assert_refused
 
 ASSISTED = [1, 2]
 STILL = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2.0)
@@ -146,3 +149,71 @@ def test_success():
         assert cost_terms(costs, 100) == pytest.approx(terms)
         assert is_success(costs, 100, ARM_TRACKING, ended=False) is well, changed
         assert not is_success(costs, 100, ARM_TRACKING, ended=True)
+
+
+def shipped(terms, measured):
+    return 1 / (1 + terms["effort"] + terms["tracking"] + terms["smoothness"])
+
+
+def steps(env, count, motors):
+    env.reset(seed=3)
+    return np.array([env.step(np.full(motors, 0.3))[1] for _ in range(count)])
+
+
+def test_terms_for_an_own_reward_are_those_of_the_shipped_reward():
+    one = steps(ArmVectorEnv(3, "ArmTracking"), 20, (3, 2))
+    other = steps(ArmVectorEnv(3, "ArmTracking", reward=shipped), 20, (3, 2))
+    np.testing.assert_allclose(other, one, rtol=1e-12)
+
+
+def test_an_own_reward_in_a_single_arm_is_that_of_a_row():
+    named = {"reward": "own_rewards:gentle"}
+    one = steps(gymnasium.make("ActiveSuit/ArmTracking-v0", **named), 10, 2)
+    rows = steps(ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle), 10, (2, 2))
+    np.testing.assert_array_equal(rows[:, 0], one)
+
+
+def test_measurements_for_an_own_reward_have_their_shapes():
+    seen = {}
+
+    def looking(terms, measured):
+        seen.update({name: values.shape for name, values in measured.items()})
+        return np.zeros(2)
+
+    steps(ArmVectorEnv(2, "ArmTracking", coupling="cuffs", reward=looking), 1, (2, 2))
+    assert seen["human_torque"] == (2, 4)
+    assert seen["assist_torque"] == (2, 2)
+    assert seen["cuff_force"] == (2, 9)
+    assert seen["lost"] == (2,)
+    assert "encoder_angle" not in seen  # what sensors read is no measurement of the arm
+
+
+def test_rows_that_begin_anew_have_no_reward():
+    """In the mode NextStep the reward is of the rows that move."""
+    env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, max_episode_steps=2)
+    rewards = steps(env, 3, (2, 2))
+    assert (rewards[1] > 0).all() and (rewards[2] == 0).all()
+
+
+def test_an_own_reward_of_the_period_in_which_the_arm_is_lost():
+    env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, autoreset_mode="SameStep")
+    env.reset(seed=0)
+    env.step(np.zeros((2, 2)))
+    env.episodes.simulation.batch.bind("qpos")[1, 1] = 2.5
+    _, reward, terminated, _, _ = env.step(np.zeros((2, 2)))
+    assert terminated.tolist() == [False, True]
+    assert reward[1] == -1.0 < reward[0]
+
+
+def test_own_rewards_that_cannot_be():
+    rows = [
+        ("own_rewards:nan", "is nan in row 0 of 1"),
+        ("own_rewards:scalar", r"has the shape \(\): return \(1,\)"),
+        ("own_rewards:failing", "fails .KeyError"),
+        ("no_module:reward", "cannot be imported .ModuleNotFoundError"),
+        (5, "the reward is 5: give a function"),
+    ]
+    assert_refused(lambda given: steps(ArmEnv("ArmTracking", reward=given), 1, 2), rows)
+    message = "scores are those of the shipped reward"
+    given = {"episodes": 8, "reward": shipped}
+    assert_refused(lambda: evaluate("ActiveSuit/ArmTracking-v0", ["none"], **given), [(message,)])
