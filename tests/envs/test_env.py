@@ -28,8 +28,7 @@ def test_an_episode_lasts_ten_seconds(options, steps):
     assert env.metadata["render_fps"] == steps / 10
     for step in range(1, steps + 1):
         observation, _, terminated, truncated, info = env.step(np.zeros(2, np.float32))
-        assert not terminated
-        assert observation in env.observation_space
+        assert not terminated and observation in env.observation_space
         assert truncated == (step == steps)
     assert info["time"] == pytest.approx(10.0)
 
@@ -123,7 +122,6 @@ def test_normalized_observations_are_of_the_size_of_one():
         rng = np.random.default_rng(0)
         seen.append(np.array([env.step(rng.uniform(-0.5, 0.5, 2))[0] for _ in range(200)]))
     plain, scaled = seen
-    assert np.abs(plain).max() > 10
-    assert np.abs(scaled).max() < 4
+    assert np.abs(plain).max() > 10 and np.abs(scaled).max() < 4
     force = env.layout["cuff_force"]
     np.testing.assert_allclose(plain[:, force], 100 * scaled[:, force], rtol=1e-5)

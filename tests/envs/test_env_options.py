@@ -128,8 +128,7 @@ def test_a_motor_that_is_driven_hard_ends_at_its_continuous_torque():
     assert -12.5 <= min(torque) < -11  # a moving motor has less
     assert torque[-1] == pytest.approx(-5, abs=0.05)
     assert np.max(load) < 1.05  # the motors lag behind the limit
-    assert load[-1][1] == pytest.approx(1, abs=0.01)
-    assert load[-1][0] < 0.01
+    assert load[-1][1] == pytest.approx(1, abs=0.01) and load[-1][0] < 0.01
 
 
 # --- Wearer -------------------------------------------------------------------------------------
@@ -166,8 +165,7 @@ def test_an_effort_tires_only_who_can_tire():
         fatigue.append(info["fatigue"])
     assert not fatigue[0].any()
     flexor = np.array(fatigue)[:, 1, JOINTS.index("shoulder_flexion")]
-    assert (np.diff(flexor) > 0).all()
-    assert 0.01 < flexor[-1] < 0.1
+    assert (np.diff(flexor) > 0).all() and 0.01 < flexor[-1] < 0.1
     assert fatigue[-1][0].max() < 2e-3  # extensors co-contract, but hardly work
     assert not tiring.reset(seed=0)[1]["fatigue"].any()
 

@@ -29,8 +29,7 @@ def begin(env, steps):
 
 
 def assert_finite(observation, reward, info):
-    assert np.isfinite(observation).all()
-    assert 0 <= reward <= 1
+    assert np.isfinite(observation).all() and 0 <= reward <= 1
     assert np.isfinite(list(info["reward_terms"].values())).all()
     assert np.isfinite(list(info["cost_terms"].values())).all()
     for key in info.keys() - {"reward_terms", "cost_terms"}:
@@ -96,8 +95,7 @@ def test_after_divergence_a_reset_or_an_earlier_state_goes_on(env):
     assert not env.set_state(state)[1]["diverged"]
     observation, _, terminated, _, info = env.step(ACTION)
     np.testing.assert_array_equal(observation, expected)
-    assert not terminated
-    assert not info["diverged"]
+    assert not terminated and not info["diverged"]
     physics(env, "qvel")[1] = np.nan
     env.step(ACTION)
     for one in (env, twin):
@@ -138,8 +136,7 @@ def test_a_diverged_episode_is_scored_as_failed(monkeypatch):
     Saboteur.periods = -1
     found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **fixed).scores
     result = found["saboteur"]
-    assert result.failures == 2
-    assert result.success == (False, False)
+    assert result.failures == 2 and result.success == (False, False)
     for by_joint in (result.human_rms, result.peak, result.tracking_rmse):
         assert np.isfinite(list(by_joint.values())).all()
     assert np.isfinite([result.assist_energy, result.reward]).all()

@@ -147,8 +147,7 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     half = make_policy({"name": "feedforward", "suit": tmp_path / "half.json"}, arms)
     (trace,) = rollout(arms, half, [0])
     greatest = np.abs(trace.assist_torque).max(axis=0)
-    assert greatest[0] < 1e-9
-    assert greatest[1] > 0.1
+    assert greatest[0] < 1e-9 and greatest[1] > 0.1
 
 
 def test_rows_refuse_what_a_class_of_your_own_does_anew():

@@ -50,8 +50,7 @@ def test_drawn_suits_appear_in_the_torque_of_their_rows(samples):
             for model in (MODEL, *samples)
         ]
         # The physics sees five positions per sample, so that reversals differ a little.
-        assert min(errors) < 0.02
-        assert sorted(errors)[1] > 0.1
+        assert min(errors) < 0.02 and sorted(errors)[1] > 0.1
         assert np.abs(torque[0]) > 0.01  # the first observation already belongs to the suit
         drawn.add(int(np.argmin(errors)))
     assert drawn == set(range(len(samples) + 1))

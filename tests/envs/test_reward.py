@@ -181,10 +181,8 @@ def test_measurements_for_an_own_reward_have_their_shapes():
         return np.zeros(2)
 
     steps(ArmVectorEnv(2, "ArmTracking", coupling="cuffs", reward=looking), 1, (2, 2))
-    assert seen["human_torque"] == (2, 4)
-    assert seen["assist_torque"] == (2, 2)
-    assert seen["cuff_force"] == (2, 9)
-    assert seen["lost"] == (2,)
+    assert seen["human_torque"] == (2, 4) and seen["assist_torque"] == (2, 2)
+    assert seen["cuff_force"] == (2, 9) and seen["lost"] == (2,)
     assert "encoder_angle" not in seen  # what sensors read is no measurement of the arm
 
 

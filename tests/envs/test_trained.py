@@ -94,9 +94,8 @@ env = ArmEnv("ElbowFlexion", gravity="moon")
 policy = make_policy({str(run)!r}, env)
 print(policy.act(env.reset(seed=3)[0]).shape)
 """
-    found = subprocess.run(
-        [sys.executable, "-c", program], check=False, capture_output=True, text=True
-    )
+    command = [sys.executable, "-c", program]
+    found = subprocess.run(command, check=False, capture_output=True, text=True)
     assert found.stdout.strip() == "(2,)", found.stderr
 
 

@@ -28,9 +28,8 @@ class Again(RandomMoves):
         return super().motion(np.random.default_rng(5), samples, dt)
 
 
-STILL = RandomMoves(
-    name="Still", hold={"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)}, duration=2.0
-)
+BENT = {"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)}
+STILL = RandomMoves(name="Still", hold=BENT, duration=2.0)
 AGAIN = Again(name="Again", span=ARM_TRACKING.span, duration=4.0)
 MOTION = "Test/Again-v0"
 
@@ -76,8 +75,7 @@ def practised():
 
 def test_errors_fall_and_after_effects_point_the_other_way_and_are_forgotten(practised):
     sizes = [rms(error) for error in practised.errors]
-    assert sizes[4] < 0.6 * sizes[0]
-    assert sizes[-1] < 0.45 * sizes[0]
+    assert sizes[4] < 0.6 * sizes[0] and sizes[-1] < 0.45 * sizes[0]
     bare = ArmEnv(AGAIN, suit="none", **PLACE)
     bare.reset(seed=0)
     (usual,) = repeated(bare, 1)

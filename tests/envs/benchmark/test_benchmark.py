@@ -71,9 +71,8 @@ def test_a_trial_is_what_evaluate_says(small, results):
         "ActiveSuit/ElbowFlexion-v0", ["compensation"], episodes=MOTIONS, suit="emu-like"
     )
     mine = {one.policy: one for one in results}
-    np.testing.assert_allclose(
-        mine["compensation"].effort, found.scores["compensation"].effort, rtol=1e-5
-    )
+    effort = found.scores["compensation"].effort
+    np.testing.assert_allclose(mine["compensation"].effort, effort, rtol=1e-5)
     np.testing.assert_allclose(mine["suited"].effort, found.scores["suited"].effort, rtol=1e-5)
     standings = Standings(results)
     (setting,) = standings.settings
@@ -93,8 +92,7 @@ def test_standings(results):
     assert right.relief.value > wrong.relief.value
     assert right.assisted.value > right.relief.value  # the wrist has no motor
     assert right.assisted.low < right.assisted.value < right.assisted.high
-    assert wrong.gain.high < 0
-    assert wrong.compared[2] > 0.5 > wrong.compared[0]
+    assert wrong.gain.high < 0 and wrong.compared[2] > 0.5 > wrong.compared[0]
     assert sum(wrong.compared) == pytest.approx(1)
     assert right.gain is None  # it is what the others are compared with
     assert right.compared is None
@@ -214,8 +212,7 @@ def test_a_reference_that_failed_leaves_no_relief():
 def test_a_policy_that_cannot_act_fails_and_the_run_goes_on(small):
     (trial,) = [one for one in small.trials if one.label == "none"]
     found = run_trial(small, trial._replace(policy=PolicySpec("corrected"), label="corrected"))
-    assert "cuffs" in found.failed
-    assert found.success == (False,) * MOTIONS
+    assert "cuffs" in found.failed and found.success == (False,) * MOTIONS
     assert json.loads(found.to_json())["effort"] == [None] * MOTIONS
     standings = Standings([*[run_trial(small, one) for one in small.trials[:2]], found])
     assert standings.standing("corrected", standings.settings).failed == 1

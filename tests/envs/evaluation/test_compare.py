@@ -49,9 +49,8 @@ def short():
 @pytest.fixture(scope="module")
 def believed(tmp_path_factory):
     """A suit file with certified fits of the shipped curves: what a user's controller believes."""
-    fits = {
-        joint: identify(load_curves(curves_path(name)), seed=1) for name, joint in CURVES.items()
-    }
+    curves = {joint: load_curves(curves_path(name)) for name, joint in CURVES.items()}
+    fits = {joint: identify(one, seed=1) for joint, one in curves.items()}
     path = tmp_path_factory.mktemp("suit") / "identified.json"
     Suit.from_fits(fits).save(path)
     return str(path)
@@ -132,10 +131,8 @@ def test_scores_keep_one_value_per_motion(weightless):
         per_motion += [score.unadapted_effort, score.unadapted_tracking, score.assist_energy]
         per_motion += [*score.torque.values(), *score.costs.values()]
         assert {len(values) for values in per_motion} == {MOTIONS}
-        assert set(score.costs) == set(COSTS)
-        assert min(score.reward) > 0
-        assert max(score.reward) <= 1
-        assert score.failures == 0
+        assert set(score.costs) == set(COSTS) and min(score.reward) > 0
+        assert max(score.reward) <= 1 and score.failures == 0
     suited = weightless.scores["suited"]
     assert np.mean(suited.tracking) < 0.5 * np.mean(suited.unadapted_tracking)  # they have learned
     assert weightless.scores["none"].success == (True,) * MOTIONS
@@ -214,8 +211,7 @@ def test_a_plan_rations_the_heat_of_motors():
     np.testing.assert_array_equal(rationed(cool, motor, DT), cool)
     wanted = 16 * np.sin(np.linspace(0, 9, 60)) * np.linspace(1, 0.4, 60)
     given = rationed(wanted, motor, DT)
-    assert heat(wanted).max() > 1.5 * 25
-    assert heat(given).max() <= 25
+    assert heat(wanted).max() > 1.5 * 25 and heat(given).max() <= 25
     assert np.abs(given).max() <= 9
     assert (np.abs(given) <= np.abs(wanted)).all()
     best = minimize(
@@ -227,8 +223,7 @@ def test_a_plan_rations_the_heat_of_motors():
         method="SLSQP",
         options={"maxiter": 300},
     )
-    assert best.success
-    assert ((given - wanted) ** 2).sum() <= 1.01 * best.fun
+    assert best.success and ((given - wanted) ** 2).sum() <= 1.01 * best.fun
 
 
 # --- Bad input ----------------------------------------------------------------------------------

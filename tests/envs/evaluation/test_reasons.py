@@ -77,8 +77,7 @@ def test_a_motor_that_is_hot_and_one_at_its_peak():
     found = score("it", traces)
     for i, trace in enumerate(traces):
         hot = found.hot_from["shoulder_flexion"][i]
-        assert np.isfinite(hot)
-        assert trace.motor_load is not None
+        assert np.isfinite(hot) and trace.motor_load is not None
         before = trace.motor_load[trace.time < hot, 0]
         assert (before < 1).all()
         assert np.isinf(found.hot_from["elbow_flexion"][i])
@@ -97,8 +96,7 @@ def test_without_motors_none_is_hot_and_with_fatigue_strength_falls():
         assert trace.fatigue.shape == trace.strength.shape == (len(trace.time), 2, 4)
         assert 0 < trace.fatigue[-1].max() < 1
     rested, _ = played(task, "none", fatigue=False)
-    assert rested[0].fatigue is None
-    assert score("it", rested).fatigued == {}
+    assert rested[0].fatigue is None and score("it", rested).fatigued == {}
     tired, fresh = score("it", traces).strength_left, score("it", rested).strength_left
     assert all(tired[joint][0] <= fresh[joint][0] for joint in tired)
     assert tired["shoulder_flexion"][0] < fresh["shoulder_flexion"][0]

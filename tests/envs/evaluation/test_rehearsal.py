@@ -67,8 +67,7 @@ def test_practice_is_on_other_motions_and_kept():
 def test_the_plant_says_what_a_controller_may_know():
     env = ArmEnv("ArmTracking", sensors=["encoders", "interaction"], suit="emu-like")
     plant = Plant.of(env.episodes)
-    assert plant.layout == env.layout
-    assert plant.peak.tolist() == [40.0, 25.0]
+    assert plant.layout == env.layout and plant.peak.tolist() == [40.0, 25.0]
     assert (plant.dt, plant.motors, plant.assisted.tolist()) == (0.01, 2, [1, 2])
     plant.peak[:] = 0  # a copy
     assert Plant.of(env.episodes).peak.tolist() == [40.0, 25.0]

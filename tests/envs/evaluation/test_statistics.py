@@ -76,8 +76,7 @@ def test_coverage_of_improvement(shift):
 def test_seeds_and_levels():
     values = np.random.default_rng(0).gamma(2, 1, MOTIONS)
     one, same, other = (mean_interval(values, seed=seed) for seed in (0, 0, 1))
-    assert one == same
-    assert one != other
+    assert one == same and one != other
     width = one.high - one.low
     assert abs(one.low - other.low) < 0.1 * width
     assert abs(one.high - other.high) < 0.1 * width
@@ -116,8 +115,7 @@ def test_improvement_compares_within_an_episode():
     easy_and_hard = np.array([0.0, 100.0])
     worse = np.arange(5.0)[:, None] + easy_and_hard
     found = improvement_interval(worse + 10, worse)
-    assert found.value == found.high == 1
-    assert found.low < 0.8
+    assert found.value == found.high == 1 and found.low < 0.8
     mirrored = improvement_interval(worse, worse + 10)
     assert mirrored.high == pytest.approx(1 - found.low)
 
@@ -141,8 +139,7 @@ def test_equal_values(value):
     ):
         assert found.low == found.value == found.high
     ties = improvement_interval(np.full(5, value), np.full(5, value))
-    assert ties.value == 0.5
-    assert ties.low < 0.5 < ties.high
+    assert ties.value == 0.5 and ties.low < 0.5 < ties.high
 
 
 def test_one_odd_motion_keeps_the_ends_finite():

@@ -44,11 +44,8 @@ def test_nested_dicts_replace_single_fields():
     assert ArmConfig.from_dict({"tilt": [0.1, 0]}).tilt == (0.1, 0.0)
 
 
-def test_a_path_is_a_suit():
+def test_a_path_is_a_suit_and_the_step_follows_the_coupling():
     assert ArmConfig(suit=Path("folder") / "mine.json").suit == str(Path("folder") / "mine.json")
-
-
-def test_the_step_follows_the_coupling():
     steps = ({}, {"coupling": "cuffs"}, {"coupling": "cuffs", "sim_dt": 5e-4})
     assert [ArmConfig(**fields).timestep for fields in steps] == [0.002, 0.001, 5e-4]
 

@@ -53,9 +53,8 @@ def test_moving_as_one_it_is_the_rigid_mechanism(seed):
     np.testing.assert_allclose(both.T @ data.qfrc_bias, one.qfrc_bias, atol=5e-5)
     np.testing.assert_allclose(both.T @ data.qfrc_passive, one.qfrc_passive, atol=1e-9)
     np.testing.assert_allclose(both.T @ model.dof_frictionloss, rigid.dof_frictionloss)
-    np.testing.assert_allclose(
-        both.T @ model.jnt_actfrcrange * [1, 1], rigid.jnt_actfrcrange, atol=1e-9
-    )
+    limits = both.T @ model.jnt_actfrcrange
+    np.testing.assert_allclose(limits, rigid.jnt_actfrcrange, atol=1e-9)
     np.testing.assert_allclose(cuff_forces(data), 0, atol=1e-9)
 
 

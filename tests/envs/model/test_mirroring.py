@@ -55,9 +55,8 @@ def test_the_dynamics_are_identical(fields):
             np.testing.assert_allclose(values[1], values[0], rtol=1e-9, atol=1e-9, err_msg=name)
         for i in range(right.nbody):
             name = right.body(i).name
-            np.testing.assert_allclose(
-                other.body(name).xipos, one.body(name).xipos * POLAR, atol=1e-12, err_msg=name
-            )
+            places = other.body(name).xipos, one.body(name).xipos * POLAR
+            np.testing.assert_allclose(*places, atol=1e-12, err_msg=name)
 
 
 def test_roll_leans_to_the_same_side_for_both_arms():

@@ -154,9 +154,8 @@ def test_umberger_of_shortening_and_lengthening(arm):
     found = umberger(arm, geometry(arm, speed=-0.1, full=0.8), a)
     assert found[0] == pytest.approx(muscle_masses(arm) * (active + heat) + work)
     found = umberger(arm, geometry(arm, speed=0.1, full=1.2), a)
-    assert found[0] == pytest.approx(
-        muscle_masses(arm) * (active + 1.5 * 0.3 * 0.3 * 250 / fast * 0.1)
-    )
+    heat = 1.5 * 0.3 * 0.3 * 250 / fast * 0.1
+    assert found[0] == pytest.approx(muscle_masses(arm) * (active + heat))
 
 
 def test_bhargava(arm):

@@ -82,7 +82,6 @@ def test_the_usual_size_is_that_of_the_sex():
     assert (Person(), Person(sex="male")) == (Person(stature=1.78, mass=80.0),) * 2
     assert Person(sex="female") == woman
     assert ArmConfig(wearer={"sex": "female"}).wearer == woman
-    assert ArmConfig.from_dict({"wearer": {"sex": "female", "mass": 60}}).wearer == Person(
-        sex="female", stature=woman.stature, mass=60
-    )
+    light = Person(sex="female", stature=woman.stature, mass=60)
+    assert ArmConfig.from_dict({"wearer": {"sex": "female", "mass": 60}}).wearer == light
     assert Randomization(wearers=[{"sex": "female"}]).wearers == (woman,)

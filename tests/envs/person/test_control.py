@@ -47,9 +47,8 @@ class Twin:
     def stiffness(self, muscle):
         base, slope = by_joint("stiffness.base"), by_joint("stiffness.slope")
         contraction = self.settings.contraction * by_joint("contraction")
-        return self.settings.stiffness * (
-            self.stronger * (base + slope * contraction) + slope * np.abs(muscle)
-        )
+        own = self.stronger * (base + slope * contraction)
+        return self.settings.stiffness * (own + slope * np.abs(muscle))
 
     def act(self, foreseen, error, slip, target_rate, angle, rate):
         """Returns stiffness, damping and torque of the coming period."""
@@ -183,9 +182,8 @@ def test_noise_and_tremor_have_the_stated_spectra():
     found = np.array(found[100:])
     np.testing.assert_allclose(found.std(axis=(0, 1)), 1, atol=0.05)
     slow, tremor = found[:, :, 0], found[:, :, 1]
-    np.testing.assert_allclose(
-        np.mean(slow[4:] * slow[:-4], axis=(0, 1)), np.exp(-2 * np.pi * 4 * 0.04), atol=0.05
-    )
+    memory, expected = np.mean(slow[4:] * slow[:-4], axis=(0, 1)), np.exp(-2 * np.pi * 4 * 0.04)
+    np.testing.assert_allclose(memory, expected, atol=0.05)
     power = (np.abs(np.fft.rfft(tremor, axis=0)) ** 2).sum(axis=(1, 2))
     frequency = np.fft.rfftfreq(len(tremor), DT)
     band = (frequency >= 8) & (frequency <= 12)

@@ -22,9 +22,8 @@ def original_3cc_r(load, dt):
     tiring, recovery, multiplier = RATES
     active, resting, fatigued, history = np.zeros(4), np.ones(4), np.zeros(4), []
     for target in load:
-        drive = 10 * np.where(
-            active < target, np.minimum(target - active, resting), target - active
-        )
+        missing = target - active
+        drive = 10 * np.where(missing > 0, np.minimum(missing, resting), missing)
         back = recovery * np.where(target <= 0.01, multiplier, 1) * fatigued
         tired = tiring * active
         active = active + dt * (drive - tired)

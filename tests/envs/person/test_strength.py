@@ -97,8 +97,7 @@ def test_torque_falls_smoothly_with_the_speed_of_shortening():
         torque = np.abs(limits) / torque_of(direction, joint, 0)
         slope = np.diff(torque) / np.diff(speed / fastest)
         moving = np.abs(speed[:-1]) < 0.999 * fastest
-        assert (slope[moving] < 0).all()
-        assert (slope[~moving] <= 0).all()
+        assert (slope[moving] < 0).all() and (slope[~moving] <= 0).all()
         assert torque.max() <= tabled(direction, joint, "eccentric") * (1 + 1e-12)
         assert torque.min() == 0
         here = speed.size // 2  # the two hyperbolas join there

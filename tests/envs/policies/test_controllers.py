@@ -143,8 +143,7 @@ def test_corrected_angles_are_those_of_the_arm():
     # The first one begins the memory; what is seen in a period is of the end of the one before.
     seen = np.array(angles)[2:].swapaxes(0, 1)
     encoders, corrected = np.sqrt(np.mean((seen - true[:-1]) ** 2, axis=(1, 2)))[:, 1:3]
-    assert (encoders > 0.04).all()
-    assert (corrected < encoders / 4).all()
+    assert (encoders > 0.04).all() and (corrected < encoders / 4).all()
 
 
 def test_with_the_guard_no_cycle_gains_energy():

@@ -56,8 +56,7 @@ def test_the_momentum_observer_needs_no_model_of_the_suit():
     policies = ("none", "observer", "compensation:suit=mock-suit")
     scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores
     off, observer, compensation = (scores[name].torque["elbow_flexion"][0] for name in policies)
-    assert observer < 0.3 * off
-    assert observer < 0.5 * compensation
+    assert observer < 0.3 * off and observer < 0.5 * compensation
 
 
 def test_a_disturbance_is_cancelled_through_the_filter():

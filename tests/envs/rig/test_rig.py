@@ -33,9 +33,8 @@ SHIPPED = [
 
 
 def exact(model, **options):
-    return run_rig(
-        RigConfig(suit=model, start_angle=START, **{"turns": TURNS, "noise": 0, **options})
-    )
+    options = {"turns": TURNS, "noise": 0, **options}
+    return run_rig(RigConfig(suit=model, start_angle=START, **options))
 
 
 def errors(model, record):
@@ -85,8 +84,7 @@ def test_repeats_show_accommodation(elbow):
     np.testing.assert_allclose(thrice.torque[:n], once.torque[:n], atol=EXACT)
     assert np.abs(errors(elbow, thrice)).max() < EXACT
     peaks = [part.max() for part in np.array_split(thrice.torque, 3)]
-    assert peaks[0] > peaks[1] + 0.02
-    assert peaks[1] > peaks[2]
+    assert peaks[0] > peaks[1] + 0.02 and peaks[1] > peaks[2]
 
 
 def test_inertia_and_friction_of_the_rig_are_compensated(elbow):

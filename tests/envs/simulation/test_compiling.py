@@ -57,7 +57,6 @@ def test_one_process_is_begun_where_the_cache_is_old_and_awaited(monkeypatch, tm
     for _ in range(2):
         compiling.begin(kernel)
     assert len(begun) == 1 and begun[0][compiling.ALONE] == "1"  # it begins no other
-    assert first_use.listener.expected == first_use.BESIDE
-    assert not waited
+    assert first_use.listener.expected == first_use.BESIDE and not waited
     compiling.wait()
     assert waited

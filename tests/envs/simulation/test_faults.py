@@ -70,6 +70,5 @@ def test_a_motor_that_stops_gives_no_torque(usual):
     stop = round(since / 0.01)
     np.testing.assert_array_equal(torque[:stop], usual[1][:stop])
     assert np.abs(torque[stop + 30 :, 1]).max() < 1e-3 < np.abs(torque[stop + 30 :, 0]).max()
-    np.testing.assert_allclose(  # the controller's own command is what it was
-        found["previous_action"], usual[0]["previous_action"], atol=1e-6
-    )
+    command, own = found["previous_action"], usual[0]["previous_action"]
+    np.testing.assert_allclose(command, own, atol=1e-6)  # of the controller

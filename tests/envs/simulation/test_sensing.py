@@ -40,9 +40,8 @@ def test_without_suit_and_exoskeleton_there_is_nothing_between(coupling):
 
 
 def test_interaction_is_what_the_suit_resists_without_weight():
-    interaction, _, reported, _ = series(
-        EXACT, gravity="microgravity", coupling="none", suit="emu-like"
-    )
+    place = {"gravity": "microgravity", "coupling": "none", "suit": "emu-like"}
+    interaction, _, reported, _ = series(EXACT, **place)
     column = JOINTS.index("elbow_flexion")
     resisted, sensed = -reported["suit_torque"][:, column], interaction[:, column]
     # The suit's arm has mass, too: its inertia is between person and suit as well.
