@@ -112,8 +112,7 @@ def test_improvement_by_hand():
 
 
 def test_improvement_compares_within_an_episode():
-    easy_and_hard = np.array([0.0, 100.0])
-    worse = np.arange(5.0)[:, None] + easy_and_hard
+    worse = np.arange(5.0)[:, None] + np.array([0.0, 100.0])  # easy and hard
     found = improvement_interval(worse + 10, worse)
     assert found.value == found.high == 1 and found.low < 0.8
     mirrored = improvement_interval(worse, worse + 10)

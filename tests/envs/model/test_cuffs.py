@@ -11,8 +11,6 @@ from activesuit.envs.model.bushing import Bushing, replace_bushing
 from activesuit.envs.model.cuffs import CUFFS, PROVENANCE, couple
 from helpers import assert_refused
 
-SEGMENTS = ("upper_arm", "forearm", "hand")
-
 
 def rigid_spec():
     return mujoco.MjSpec.from_file(str(SCENE))
@@ -30,7 +28,7 @@ def cuffed(misalignment=(0, 0, 0)):
 
 
 def cuff_forces(data):
-    return np.array([data.sensor(f"cuff_{segment}_force").data for segment in SEGMENTS])
+    return np.array([data.sensor(f"cuff_{segment}_force").data for segment in CUFFS])
 
 
 @pytest.mark.parametrize("seed", range(2))

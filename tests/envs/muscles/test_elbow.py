@@ -10,10 +10,8 @@ from activesuit.envs.muscles.elbow import PEAK, MuscleElbow
 from gymnasium.utils.env_checker import check_env
 from helpers import assert_refused
 
-STEPS = 150
 
-
-def run(action=lambda env: 0.0, steps=STEPS, **options):
+def run(action=lambda env: 0.0, steps=150, **options):
     env = MuscleElbow(**options)
     env.reset(seed=0)
     found = []

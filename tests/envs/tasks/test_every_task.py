@@ -124,9 +124,7 @@ def test_a_row_is_the_single_environment_and_states_in_mid_task_go_on_alike(made
 
 
 LOOSE = dict.fromkeys(TOLERANCES, 5.0)
-TINY = 1e-6
 UNTIL = {"RangeOfMotion": 12.0, "Ratchet": 2.0, "Hammer": 0.6, "ReachPanel": 0.6}  # s
-ALWAYS = {"tracking", "effort"}
 
 
 @pytest.fixture(scope="module", params=TASKS)
@@ -152,10 +150,10 @@ def test_an_episode_goes_well_and_each_quantity_that_is_watched_can_spoil_it(pla
     assert watched >= {"tracking"}
     costs, periods = env.unwrapped.episodes.costs[0], int(state(env).step[0])
     for name in watched:
-        strict = replace(env.episodes.task, **{name: TINY})
+        strict = replace(env.episodes.task, **{name: 1e-6})
         assert not is_success(costs, periods, strict, ended=False), name
     assert not is_success(costs, periods, env.episodes.task, ended=True)
-    unwatched = set(TOLERANCES) - watched - ALWAYS
+    unwatched = set(TOLERANCES) - watched - {"tracking", "effort"}
     usual = replace(env.episodes.task, **dict.fromkeys(unwatched, FARTHEST))
     assert is_success(costs, periods, usual, ended=False)
 

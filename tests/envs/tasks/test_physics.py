@@ -14,7 +14,6 @@ from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
 from activesuit.envs.tasks.hammer import HANDLE, IMPACT, RAISED, THROUGH
 from arms import addresses, physics, state
 
-SHOULDER = JOINTS.index("shoulder_flexion")
 PICKED, PUT_DOWN, MASS = 100, 600, 3.0  # control periods, kg
 G = 9.81
 POSTURE = np.array([0.0, 0.9, 0.6, 0.0])
@@ -93,7 +92,7 @@ def test_a_wearer_bears_what_he_has_picked_up():
     arm = load[0] - shoulder[0]  # forward
     assert arm > 0.3
     more = torque[PUT_DOWN - 1] - torque[PICKED - 1]
-    assert more[SHOULDER] == pytest.approx(MASS * G * arm, rel=0.01)
+    assert more[JOINTS.index("shoulder_flexion")] == pytest.approx(MASS * G * arm, rel=0.01)
     for _ in range(40):
         env.step(np.zeros(0))
     assert state(env).load[0] == 0
