@@ -4,7 +4,16 @@ from types import SimpleNamespace
 
 import numpy as np
 from activesuit.envs import ArmEnv
+from activesuit.envs.person import Person
 from activesuit.envs.simulation.addresses import Addresses
+
+PEOPLE = [  # the usual one, two of the survey, and both ends of what is allowed
+    Person(),
+    Person.percentile("female", 5),
+    Person.percentile("male", 95),
+    Person(stature=1.4, mass=40.0, sex="female", strength=1.0),
+    Person(stature=2.1, mass=140.0, strength=99.0),
+]
 
 
 def physics(env: ArmEnv, name: str) -> np.ndarray:

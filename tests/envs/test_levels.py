@@ -41,20 +41,20 @@ def test_a_level_is_its_options_and_the_same_seed_the_same_episodes(level):
 def test_levels_differ_and_nominal_is_the_default():
     states = {level: play(ArmEnv(level=level), 1) for level in LEVELS}
     assert_same(states["nominal"], play(ArmEnv(), 1))
-    physics = [states[level][0]["physics"] for level in LEVELS]
-    assert physics[0].shape == physics[1].shape
-    assert not np.array_equal(physics[0], physics[1])
+    one, other = (states[level][0]["physics"] for level in ("nominal", "randomized"))
+    assert one.shape == other.shape and not np.array_equal(one, other)
     for level in ("randomized", "shift", "faults"):  # the motion is the same at each
         np.testing.assert_array_equal(states["nominal"][0]["angle"], states[level][0]["angle"])
 
 
 def test_options_that_are_given_win():
     shift = LEVELS["shift"]
-    own = {"gravity": "moon"}
-    found = with_level({"level": "shift", **own})
-    assert found == {**shift, **own}
+    assert with_level({"level": "shift", "gravity": "moon"}) == {**shift, "gravity": "moon"}
     assert ArmEnv(level="shift", gravity="moon").config.gravity == "moon"
-    assert ArmEnv(level="shift").config.suit == shift["suit"]
+    rows = [({}, shift["pressure"]), ({"suit": "mock-suit"}, None)]  # the pressure is of the suit
+    for given, pressure in [*rows, ({"suit": "emu-like", "pressure": 30.0}, 30.0)]:
+        config = ArmEnv(level="shift", **given).config
+        assert (config.suit, config.pressure) == (given.get("suit", shift["suit"]), pressure)
 
 
 def test_terms_are_replaced_one_by_one():
@@ -84,12 +84,6 @@ def test_what_a_level_says_of_what_is_not_there_does_not_count(level):
             assert "pressure" not in terms
             assert not options.keys() & {"pressure", "preconditioned"}
         ArmEnv(**options).reset(seed=0)  # no check refuses it
-
-
-def test_the_pressure_of_a_level_is_of_its_suit():
-    assert ArmEnv(level="shift").config.pressure == LEVELS["shift"]["pressure"]
-    assert ArmEnv(level="shift", suit="mock-suit").config.pressure is None
-    assert ArmEnv(level="shift", suit="emu-like", pressure=30.0).config.pressure == 30.0
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,7 @@ import pytest
 from activesuit.envs.rendering import RenderingUnavailableError
 
 STORED = 8  # compiled models, at most; see `envs/model/compose.py`
-ENVIRONMENTS, PICTURED = 12, 3
-linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+SMALL = {"render_mode": "rgb_array", "width": 320, "height": 240}
 
 
 def resident() -> float:
@@ -33,34 +32,28 @@ def make(number: int, **options) -> gymnasium.Env:
     return env
 
 
-@linux
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.slow
-def test_environments_give_their_memory_back():
-    for number in range(STORED):  # fills the store of compiled models
-        make(number)
-    before = resident()
-    kept = [make(number) for number in range(ENVIRONMENTS)]
-    assert (resident() - before) / ENVIRONMENTS < 16  # MB; was 23
-    for env in kept:
-        env.close()
-    del env, kept
-    assert (resident() - before) / ENVIRONMENTS < 3  # MB; was 23
-
-
-@linux
-@pytest.mark.slow
-@pytest.mark.render
-def test_pictures_give_their_memory_back():
-    small = {"render_mode": "rgb_array", "width": 320, "height": 240}
-    for number in range(STORED - 1):
+@pytest.mark.parametrize(
+    ("options", "count", "open_mb", "closed_mb"),
+    [
+        ({}, 12, 16, 3),  # was 23 and 23
+        # Drivers keep some; was 306.
+        pytest.param(SMALL, 3, np.inf, 30, marks=pytest.mark.render),
+    ],
+    ids=["environments", "pictures"],
+)
+def test_memory_is_given_back(options, count, open_mb, closed_mb):
+    for number in range(STORED - 1):  # fills the store of compiled models
         make(number)
     try:
-        make(STORED - 1, **small).close()
+        make(STORED - 1, **options).close()
     except RenderingUnavailableError as error:
         pytest.skip(str(error))
     before = resident()
-    kept = [make(number, **small) for number in range(PICTURED)]
+    kept = [make(number, **options) for number in range(count)]
+    assert (resident() - before) / count < open_mb
     for env in kept:
         env.close()
     del env, kept
-    assert (resident() - before) / PICTURED < 30  # MB, drivers keep some; was 306
+    assert (resident() - before) / count < closed_mb

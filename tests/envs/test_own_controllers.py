@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy
-from activesuit.scripts.main import main
-from helpers import shorten_tasks
+from helpers import fails, run, shorten_tasks
 
 PAGE = Path(__file__).parents[2] / "docs" / "own_controllers.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
@@ -65,8 +64,7 @@ def test_the_observer_finds_what_the_shipped_one_finds(folder):
 
 def test_from_the_file_to_a_score(folder, capsys):
     few = ["evaluate", "--task", "ElbowFlexion", "--episodes", "8", "--unadapted", "--json"]
-    main([*few, "--policies", "my_policies:PDPlusSuit:kp=5"])
-    assert "my_policies:PDPlusSuit:kp=5" in capsys.readouterr().out
-    with pytest.raises(SystemExit):
-        main([*few, "--policies", "my_policies:PDPlusSuit:ki=5"])
-    assert "unknown option of policy 'my_policies:PDPlusSuit' 'ki'" in capsys.readouterr().err
+    name = "my_policies:PDPlusSuit:kp=5"
+    assert name in run(capsys, *few, "--policies", name)
+    message = fails(capsys, *few, "--policies", "my_policies:PDPlusSuit:ki=5")
+    assert "unknown option of policy 'my_policies:PDPlusSuit' 'ki'" in message

@@ -13,19 +13,13 @@ from activesuit.envs.model import ASSISTED, bare_arm, compose
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import effort_metrics
 from activesuit.envs.policies import POLICIES, make_policy, needed_options
-from activesuit.errors import InputError
-from helpers import shorten_tasks
+from helpers import assert_refused, shorten_tasks
 
 NAIVE = {"references": False, "adapted": False}
 
 
-@pytest.fixture
-def _short(monkeypatch):
+def test_gravity_compensation_carries_the_weight(monkeypatch):
     shorten_tasks(monkeypatch, 2.0)
-
-
-@pytest.mark.usefixtures("_short")
-def test_gravity_compensation_carries_the_weight():
     policies = ("none", "gravity", "transparent")
     env = "ActiveSuit/ArmTracking-v0"
     found = evaluate(env, policies, episodes=2, **NAIVE).scores
@@ -110,17 +104,13 @@ def test_a_policy_sees_nothing_but_the_observation():
         np.testing.assert_array_equal(again, first, name)
 
 
-def test_feedforward_of_other_arms_than_at_its_reset():
-    arm = ArmEnv()
-    policy = make_policy("feedforward", arm)
+def test_policies_that_do_not_fit_the_arms():
+    needs = "'oracle' needs the sensors encoders, privileged, and"
+    assert_refused(make_policy, [("oracle", ArmEnv(), needs)])
+    policy = make_policy("feedforward", ArmEnv())
     policy.act(np.zeros((2, 12), np.float32))
-    with pytest.raises(InputError, match="the policy sees 3 arms, and 2 since its reset: reset it"):
-        policy.act(np.zeros((3, 12), np.float32))
-
-
-def test_a_policy_without_its_sensors():
-    with pytest.raises(InputError, match=r"'oracle' needs the sensors encoders, privileged, and"):
-        make_policy("oracle", ArmEnv())
+    others = "the policy sees 3 arms, and 2 since its reset: reset it"
+    assert_refused(policy.act, [(np.zeros((3, 12), np.float32), others)])
 
 
 def test_scores_are_what_they_say():
@@ -157,8 +147,7 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     half = make_policy({"name": "feedforward", "suit": tmp_path / "half.json"}, arms)
     (trace,) = rollout(arms, half, [0])
     greatest = np.abs(trace.assist_torque).max(axis=0)
-    assert greatest[0] < 1e-9
-    assert greatest[1] > 0.1
+    assert greatest[0] < 1e-9 and greatest[1] > 0.1
 
 
 def test_rows_refuse_what_a_class_of_your_own_does_anew():
@@ -170,9 +159,7 @@ def test_rows_refuse_what_a_class_of_your_own_does_anew():
 
     gymnasium.register("Mine/Slow-v0", entry_point=Slow)
     try:
-        with pytest.raises(
-            InputError, match="'Mine/Slow-v0' overrides duration, step of ArmEnv, which the vector"
-        ):
-            make_arms("Mine/Slow-v0", 2)
+        message = "'Mine/Slow-v0' overrides duration, step of ArmEnv, which the vector"
+        assert_refused(make_arms, [("Mine/Slow-v0", 2, message)])
     finally:
         del gymnasium.registry["Mine/Slow-v0"]

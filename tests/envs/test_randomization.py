@@ -11,33 +11,27 @@ ELBOW = JOINTS.index("elbow_flexion")
 ENTRY = load_suit("mock-suit").joints["elbow_flexion"]
 MODEL = ENTRY.model
 WEARERS = [{"sex": "female", "stature": 1.5, "mass": 48.0}, {"strength": 80.0}]
-SAMPLES = tuple(MODEL.scaled(torque=factor) for factor in (0.5, 0.8, 1.6))
-
-
 LOW = ENTRY.range[0]
+SAMPLES = tuple(MODEL.scaled(torque=factor) for factor in (0.5, 0.8, 1.6))
 KINDS = (  # as an ensemble of `identify` with method "auto" draws them
     PrandtlIshlinskii(stiffness=40.0, thresholds=[0.2], weights=[9.0], rest_angle=LOW),
     BoucWen(elastic=2.0, hysteretic=8.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=LOW),
 )
 
 
-def with_samples(samples):
-    joint = ENTRY.model_copy(update={"samples": samples})
-    return Suit(name="sampled", description="of a test", joints={"elbow_flexion": joint})
+def suit_of(**changes):
+    """A suit of one joint."""
+    joints = {"elbow_flexion": ENTRY.model_copy(update=changes)}
+    return Suit(name="s", description="of a test", joints=joints)
 
 
-@pytest.fixture(scope="module")
-def sampled(tmp_path_factory):
-    """A suit file of one joint, with samples that cannot be mistaken for each other."""
-    path = tmp_path_factory.mktemp("suit") / "sampled.json"
-    with_samples(SAMPLES).save(path)
-    return str(path)
+SAMPLED = suit_of(samples=SAMPLES)  # samples that cannot be mistaken for each other
 
 
 @pytest.mark.parametrize("samples", [SAMPLES, KINDS], ids=["scaled", "kinds"])
 def test_drawn_suits_appear_in_the_torque_of_their_rows(samples):
     arms = ArmEnv(
-        suit=with_samples(samples),
+        suit=suit_of(samples=samples),
         sensors=["encoders", "privileged"],
         randomize={"suit": "samples"},
     ).rows(24, info="full")
@@ -56,16 +50,15 @@ def test_drawn_suits_appear_in_the_torque_of_their_rows(samples):
             for model in (MODEL, *samples)
         ]
         # The physics sees five positions per sample, so that reversals differ a little.
-        assert min(errors) < 0.02
-        assert sorted(errors)[1] > 0.1
+        assert min(errors) < 0.02 and sorted(errors)[1] > 0.1
         assert np.abs(torque[0]) > 0.01  # the first observation already belongs to the suit
         drawn.add(int(np.argmin(errors)))
     assert drawn == set(range(len(samples) + 1))
 
 
 def test_pressure_scales_the_share_of_the_gas_where_it_is_known():
-    gas = ENTRY.model_copy(update={"volume_share": 0.5})
-    suit = Suit(name="gas", description="", joints={"elbow_flexion": gas})
+    suit = suit_of(volume_share=0.5)
+    gas = suit.joints["elbow_flexion"]
     env = ArmEnv(suit=suit, randomize={"pressure": 0.5})
     changes = []
     for seed in range(4):
@@ -78,12 +71,9 @@ def test_pressure_scales_the_share_of_the_gas_where_it_is_known():
     assert min(changes) < 1 < max(changes)
 
 
-def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
-    env = ArmEnv(
-        suit=sampled,
-        preconditioned=True,
-        randomize={"suit": "samples", "pressure": 0.3},
-    )
+def test_a_preconditioned_suit_is_drawn_with_its_memory():
+    terms = {"suit": "samples", "pressure": 0.3}
+    env = ArmEnv(suit=SAMPLED, preconditioned=True, randomize=terms)
     drawn = []
     for seed in range(6):
         _, info = env.reset(seed=seed)
@@ -143,9 +133,27 @@ def test_no_misalignment_in_the_range_loses_an_arm_at_once():
         assert not ended.any()
 
 
-@pytest.mark.parametrize("suit", ["none-at-the-elbow", "play"])
-def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(suit, wardrobe):
-    other = wardrobe.get(suit, suit)
+def wardrobe():
+    """Suits whose models are of another kind, or are at fewer joints."""
+    own = load_suit("mock-suit")
+    play = PrandtlIshlinskii(stiffness=1.5, thresholds=(0.05, 0.2), weights=(6.0, 4.0))
+    about = {"start_angle": 0.0, "grade": "assumed", "source": "of a test"}
+    rest = {name: entry for name, entry in own.joints.items() if name != "elbow_flexion"}
+    others = {
+        name: SuitJoint.from_model(play, range=entry.range, **about)
+        for name, entry in own.joints.items()
+    }
+    made = {"none at the elbow": rest, "play": others}
+    return {
+        name: Suit(name=name, description="of a test", joints=joints)
+        for name, joints in made.items()
+    }
+
+
+@pytest.mark.parametrize("other", wardrobe().values(), ids=wardrobe())
+def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(other, tmp_path):
+    other.save(tmp_path / "other.json")
+    other = str(tmp_path / "other.json")
     drawn = ArmEnv(randomize={"suits": [other]})  # the compiled suit is mock-suit
     made = ArmEnv(suit=other)
     for env in (drawn, made):
@@ -156,41 +164,21 @@ def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(suit, w
             np.testing.assert_array_equal(one[-1][name], two[-1][name])
 
 
-def test_rows_of_one_batch_wear_suits_of_other_kinds(wardrobe):
-    suits = ["mock-suit", "emu-like", *wardrobe.values()]
+def test_rows_of_one_batch_wear_suits_of_other_kinds(tmp_path):
+    suits = ["mock-suit", "emu-like"]
+    for name, suit in wardrobe().items():
+        suit.save(tmp_path / f"{name}.json")
+        suits.append(str(tmp_path / f"{name}.json"))
     arms = ArmEnv(randomize={"suits": suits}).rows(16, info="full")
     arms.reset(seed=0)
     models = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
-    assert {type(model) for model in models} == {
-        Clipped,
-        Asymmetric,  # emu-like, whose pressure changes a part of its torque
-        PrandtlIshlinskii,
-    }
+    kinds = {Clipped, Asymmetric, PrandtlIshlinskii}  # Asymmetric: emu-like, with its gas
+    assert {type(model) for model in models} == kinds
     for _ in range(20):
         *_, info = arms.step(np.zeros((16, 2)))
     without = ["elbow_flexion" not in arms.episodes._start(row).suit for row in range(16)]
     np.testing.assert_array_equal(info["suit_torque"][:, ELBOW] == 0, without)
     assert 0 < np.sum(without) < 16
-
-
-@pytest.fixture(scope="module")
-def wardrobe(tmp_path_factory):
-    """Files of suits whose models are of another kind, or are at fewer joints."""
-    folder, own = tmp_path_factory.mktemp("suits"), load_suit("mock-suit")
-    joints = dict(own.joints)
-    del joints["elbow_flexion"]
-    play = PrandtlIshlinskii(stiffness=1.5, thresholds=(0.05, 0.2), weights=(6.0, 4.0))
-    others = {
-        joint: SuitJoint.from_model(
-            play, range=entry.range, start_angle=0.0, grade="assumed", source="of a test"
-        )
-        for joint, entry in own.joints.items()
-    }
-    found = {}
-    for name, parts in {"none-at-the-elbow": joints, "play": others}.items():
-        found[name] = str(folder / f"{name}.json")
-        Suit(name=name, description="of a test", joints=parts).save(found[name])
-    return found
 
 
 def test_the_noise_of_sensors_may_differ():
@@ -206,9 +194,9 @@ def test_the_noise_of_sensors_may_differ():
     np.testing.assert_allclose(ratios, 1.0, rtol=0.1)  # N, the usual noise of a cuff
 
 
-def test_a_term_that_is_added_leaves_the_others_alone(sampled):
-    few = ArmEnv(suit=sampled, randomize={"suit": "samples"})
-    many = ArmEnv(suit=sampled, randomize={"suit": "samples", "encoder_offset": 0.1})
+def test_a_term_that_is_added_leaves_the_others_alone():
+    few = ArmEnv(suit=SAMPLED, randomize={"suit": "samples"})
+    many = ArmEnv(suit=SAMPLED, randomize={"suit": "samples", "encoder_offset": 0.1})
     for seed in range(6):
         few.reset(seed=seed)
         many.reset(seed=seed)
@@ -219,28 +207,15 @@ def test_a_term_that_is_added_leaves_the_others_alone(sampled):
 
 
 def test_cycles_change_the_torque_of_a_suit_that_softens():
-    softening = Softening(first=1.5, steady=1.0, cycles=2.0)
+    softening = Softening(first=1.5, steady=0.8, cycles=2.0)
     torques = []
-    for update, terms in (({"softening": softening}, {"cycles": [0, 4]}), ({}, {})):
-        joints = {"elbow_flexion": ENTRY.model_copy(update=update)}
-        suit = Suit(name="s", description="of a test", joints=joints)
+    for suit, terms in ((suit_of(softening=softening), {"cycles": [0, 4]}), (suit_of(), {})):
         _, info = ArmEnv(suit=suit, randomize=terms).rows(16, info="full").reset(seed=0)
         torques.append(info["suit_torque"][:, ELBOW])
     drawn = torques[0] / torques[1]
-    assert drawn.min() > 1.0
-    assert drawn.max() < 1.52
-    assert np.ptp(drawn) > 0.1
-
-
-def test_a_suit_begins_with_its_first_cycle_or_after_many():
-    wearing_in = ENTRY.model_copy(
-        update={"softening": Softening(first=1.5, steady=0.8, cycles=2.0)}
-    )
-    suit = Suit(name="s", description="of a test", joints={"elbow_flexion": wearing_in})
-    fresh, many = (
-        suit_of_config(ArmConfig(suit=suit, preconditioned=moved)).joints["elbow_flexion"]
-        for moved in (False, True)
-    )
-    torque = ENTRY.model.certificate().torque_bound
-    assert fresh.model.certificate().torque_bound == pytest.approx(1.5 * torque)
-    assert many.model.certificate().torque_bound == pytest.approx(0.8 * torque)
+    assert 0.8 < drawn.min() < drawn.max() - 0.1 and drawn.max() < 1.52
+    bound = MODEL.certificate().torque_bound
+    for preconditioned, factor in ((False, 1.5), (True, 0.8)):  # its first cycle, or after many
+        config = ArmConfig(suit=suit_of(softening=softening), preconditioned=preconditioned)
+        model = suit_of_config(config).joints["elbow_flexion"].model
+        assert model.certificate().torque_bound == pytest.approx(factor * bound)

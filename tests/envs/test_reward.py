@@ -1,20 +1,24 @@
-"""The reward, the costs beside it, and that nobody gains from ending early."""
+"""The reward, the costs beside it, that nobody gains from ending early, and own rewards."""
 
 from types import SimpleNamespace
 
+import gymnasium
 import numpy as np
+import own_rewards
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation import rollout, score
+from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
-from activesuit.envs.policies import make_policy
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
 from activesuit.envs.simulation.wearer_control import USUAL
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from arms import addresses, physics
+from helpers import assert_refused
 
 ASSISTED = [1, 2]
 STILL = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2.0)
@@ -31,11 +35,8 @@ def motion(request):
         _, reward, ended, _, info = env.step(action)
         assert not ended
         reported.append({**info, "reward": reward})
-    series = {
-        name: np.array([one[name] for one in reported])
-        for name in reported[0]
-        if name not in ("reward_terms", "cost_terms")
-    }
+    names = reported[0].keys() - {"reward_terms", "cost_terms"}
+    series = {name: np.array([one[name] for one in reported]) for name in names}
     return SimpleNamespace(env=env, actions=actions, infos=reported, **series)
 
 
@@ -54,8 +55,7 @@ def test_rewards_by_hand(motion):
     scale = env.episodes.effort_scale
     expected = 1 / (1 + x / scale**2 + e / 0.1**2 + d / 0.25**2)
     np.testing.assert_allclose(motion.reward, expected, rtol=1e-9)
-    assert motion.reward.min() > 0
-    assert motion.reward.max() < 1
+    assert 0 < motion.reward.min() <= motion.reward.max() < 1
 
 
 def test_costs_by_hand(motion):
@@ -79,24 +79,15 @@ def test_costs_by_hand(motion):
 
 
 def test_the_scale_is_the_suited_arms_effort():
-    scale = {
-        (gravity, suit): ArmEnv(gravity=gravity, suit=suit, coupling=coupling).episodes.effort_scale
-        for gravity, suit, coupling in (
-            *(("earth", "mock-suit", "rigid"), ("earth", "none", "rigid")),
-            *(("microgravity", "mock-suit", "none"), ("microgravity", "none", "none")),
-        )
-    }
-    assert scale["earth", "mock-suit"] > scale["earth", "none"] > 0.05
-    relaxed = {
-        suit: ArmEnv(
-            suit=suit, gravity="microgravity", coupling="none", control={"contraction": 0}
-        ).episodes.effort_scale
-        for suit in ("mock-suit", "none")
-    }
-    assert relaxed["mock-suit"] > 2 * relaxed["none"]
-    assert scale["microgravity", "none"] == pytest.approx(0.095, abs=0.01)  # co-contraction alone
-    without = ArmEnv(coupling="none").episodes.effort_scale
-    assert without == pytest.approx(scale["earth", "mock-suit"], rel=1e-9)
+    def scale(**options):
+        return ArmEnv(**options).episodes.effort_scale
+
+    free = {"gravity": "microgravity", "coupling": "none"}
+    assert scale() > scale(suit="none") > 0.05
+    assert scale(coupling="none") == pytest.approx(scale(), rel=1e-9)
+    assert scale(suit="none", **free) == pytest.approx(0.095, abs=0.01)  # co-contraction alone
+    relaxed = {"control": {"contraction": 0}, **free}
+    assert scale(**relaxed) > 2 * scale(suit="none", **relaxed)
     given = ArmVectorEnv(1, effort_scale=0.2, threads=1).episodes.effort_scale
     assert given == 0.2
 
@@ -111,58 +102,34 @@ def test_joints_at_their_stops_are_counted():
     assert 0.1 < info["cost_terms"]["range_stops"] < 0.25
 
 
-def test_a_lost_arm_earns_nothing():
-    env = ArmEnv()
-    env.reset(seed=0)
-    env.step(np.zeros(2))
-    physics(env, "qpos")[1] += 1.2
-    _, reward, ended, _, info = env.step(np.zeros(2))
-    assert ended
-    assert reward == 0
-    assert not info["is_success"]
-
-
-def play(env, actions, seed=0):
-    env.reset(seed=seed)
-    rewards = [env.step(action)[1] for action in actions]
-    return np.sum(rewards), env.episodes.info(0)
-
-
 def test_chatter_shows_and_costs():
-    env, periods = ArmEnv(gravity="microgravity"), 300
-    calm = np.zeros((periods, 2))
+    env, periods, found = ArmEnv(gravity="microgravity"), 300, []
     chatter = 2.0 / addresses(env).peak_torque * (-1.0) ** np.arange(periods)[:, None]  # 50 Hz
-    smooth, info = play(env, calm)
-    noisy, reported = play(env, chatter)
-    assert info["cost_terms"]["chatter"] == 0
+    for actions in (0 * chatter, chatter):
+        env.reset(seed=0)
+        rewards = [env.step(action)[1] for action in actions]
+        found.append((np.sum(rewards), env.episodes.info(0)["cost_terms"]["chatter"]))
+    (smooth, none), (noisy, much) = found
     expected = (periods - 1) * np.sum((4.0 / addresses(env).peak_torque) ** 2)
-    assert reported["cost_terms"]["chatter"] == pytest.approx(expected)
+    assert (none, much) == (0, pytest.approx(expected))
     assert noisy < 0.95 * smooth
 
 
-class Down:
+class Down(NoAssist):
     """Pushes the arm down with all that motors have."""
 
-    def __init__(self, arms):
-        self.shape = arms.action_space.shape
-
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return np.full(self.shape, -1.0)
+    def torque(self, seen):
+        return super().torque(seen) - self.peak
 
 
 def test_who_ends_early_scores_below_who_goes_on():
     weak = Person.percentile("female", 5)
-    options = {"wearer": weak, "payload": {"mass": 5.0}, "threads": 1}
-    arms = ArmVectorEnv(4, **options)
-    found = {}
-    for name, policy in (("none", make_policy("none", arms)), ("down", Down(arms))):
-        found[name] = score(name, rollout(arms, policy, range(4)))
-    assert found["down"].failures == 4
-    assert (np.array(found["down"].reward) < np.array(found["none"].reward)).all()
-    assert max(found["down"].reward) < 0.1
+    arms = ArmVectorEnv(4, wearer=weak, payload={"mass": 5.0}, threads=1)
+    policies = make_policy("none", arms), Down(Plant.of(arms.episodes))
+    none, down = (score("it", rollout(arms, policy, range(4))) for policy in policies)
+    assert down.failures == 4
+    assert (np.array(down.reward) < np.array(none.reward)).all()
+    assert max(down.reward) < 0.1
 
 
 def test_success():
@@ -182,3 +149,69 @@ def test_success():
         assert cost_terms(costs, 100) == pytest.approx(terms)
         assert is_success(costs, 100, ARM_TRACKING, ended=False) is well, changed
         assert not is_success(costs, 100, ARM_TRACKING, ended=True)
+
+
+def shipped(terms, measured):
+    return 1 / (1 + terms["effort"] + terms["tracking"] + terms["smoothness"])
+
+
+def steps(env, count, motors):
+    env.reset(seed=3)
+    return np.array([env.step(np.full(motors, 0.3))[1] for _ in range(count)])
+
+
+def test_terms_for_an_own_reward_are_those_of_the_shipped_reward():
+    one = steps(ArmVectorEnv(3, "ArmTracking"), 20, (3, 2))
+    other = steps(ArmVectorEnv(3, "ArmTracking", reward=shipped), 20, (3, 2))
+    np.testing.assert_allclose(other, one, rtol=1e-12)
+
+
+def test_an_own_reward_in_a_single_arm_is_that_of_a_row():
+    named = {"reward": "own_rewards:gentle"}
+    one = steps(gymnasium.make("ActiveSuit/ArmTracking-v0", **named), 10, 2)
+    rows = steps(ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle), 10, (2, 2))
+    np.testing.assert_array_equal(rows[:, 0], one)
+
+
+def test_measurements_for_an_own_reward_have_their_shapes():
+    seen = {}
+
+    def looking(terms, measured):
+        seen.update({name: values.shape for name, values in measured.items()})
+        return np.zeros(2)
+
+    steps(ArmVectorEnv(2, "ArmTracking", coupling="cuffs", reward=looking), 1, (2, 2))
+    assert seen["human_torque"] == (2, 4) and seen["assist_torque"] == (2, 2)
+    assert seen["cuff_force"] == (2, 9) and seen["lost"] == (2,)
+    assert "encoder_angle" not in seen  # what sensors read is no measurement of the arm
+
+
+def test_rows_that_begin_anew_have_no_reward():
+    """In the mode NextStep the reward is of the rows that move."""
+    env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, max_episode_steps=2)
+    rewards = steps(env, 3, (2, 2))
+    assert (rewards[1] > 0).all() and (rewards[2] == 0).all()
+
+
+def test_an_own_reward_of_the_period_in_which_the_arm_is_lost():
+    env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, autoreset_mode="SameStep")
+    env.reset(seed=0)
+    env.step(np.zeros((2, 2)))
+    env.episodes.simulation.batch.bind("qpos")[1, 1] = 2.5
+    _, reward, terminated, _, _ = env.step(np.zeros((2, 2)))
+    assert terminated.tolist() == [False, True]
+    assert reward[1] == -1.0 < reward[0]
+
+
+def test_own_rewards_that_cannot_be():
+    rows = [
+        ("own_rewards:nan", "is nan in row 0 of 1"),
+        ("own_rewards:scalar", r"has the shape \(\): return \(1,\)"),
+        ("own_rewards:failing", "fails .KeyError"),
+        ("no_module:reward", "cannot be imported .ModuleNotFoundError"),
+        (5, "the reward is 5: give a function"),
+    ]
+    assert_refused(lambda given: steps(ArmEnv("ArmTracking", reward=given), 1, 2), rows)
+    message = "scores are those of the shipped reward"
+    given = {"episodes": 8, "reward": shipped}
+    assert_refused(lambda: evaluate("ActiveSuit/ArmTracking-v0", ["none"], **given), [(message,)])

@@ -12,12 +12,7 @@ from activesuit.envs.vector_env import ArmVectorEnv
 from gymnasium.wrappers import TimeLimit
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import EvalCallback
-from stable_baselines3.common.vec_env import (
-    DummyVecEnv,
-    VecFrameStack,
-    VecMonitor,
-    VecNormalize,
-)
+from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecMonitor, VecNormalize
 
 ROWS, SHORT = 3, 11
 
@@ -34,11 +29,7 @@ def pair():
 
 @pytest.mark.parametrize(
     "wrap",
-    [
-        lambda env: env,
-        lambda env: VecFrameStack(env, 3),
-        lambda env: VecNormalize(VecMonitor(env)),
-    ],
+    [lambda env: env, lambda env: VecFrameStack(env, 3), lambda env: VecNormalize(VecMonitor(env))],
     ids=["bare", "stack", "both"],
 )
 def test_it_is_what_single_ones_are(wrap):
@@ -53,9 +44,8 @@ def test_it_is_what_single_ones_are(wrap):
         for reported, expected, done in zip(one[3], other[3], one[2], strict=True):
             if done:
                 ends += 1
-                np.testing.assert_array_equal(
-                    reported["terminal_observation"], expected["terminal_observation"]
-                )
+                last = (info["terminal_observation"] for info in (reported, expected))
+                np.testing.assert_array_equal(*last)
                 assert reported["TimeLimit.truncated"] == expected["TimeLimit.truncated"]
                 if "episode" in reported:
                     assert reported["episode"]["l"] == expected["episode"]["l"]

@@ -9,9 +9,8 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options, policy_spec, trained
 from activesuit.envs.policies.network import read_card
 from activesuit.envs.policies.trained import SHIPPED
-from activesuit.errors import InputError
 from activesuit.scripts.main import main
-from helpers import short_benchmark
+from helpers import assert_refused, fails, run, short_benchmark
 from trained_runs import make_run
 
 pytest.importorskip("stable_baselines3")
@@ -26,23 +25,21 @@ def shipped(tmp_path, monkeypatch):
     monkeypatch.setattr(trained, "SHIPPED", tmp_path)
 
 
-def test_it_acts_by_its_name():
-    arms = make_arms(
-        "ActiveSuit/ArmTracking-v0", 2, suit="emu-like", **needed_options("my-network")
-    )
-    policy = make_policy("my-network", arms)
-    observation, _ = arms.reset(seed=0)
-    action = policy.act(observation)
-    assert action.shape == (2, 2)
-    assert np.abs(action).max() <= 1
-    assert str(policy_spec("my-network")) == "my-network"
-
-
-def test_the_scene_is_free(capsys):
+def test_it_acts_by_its_name_in_any_scene(capsys):
     """It brings its sensors, and not the task and the place of its training."""
-    given = ["evaluate", "--task", "ArmTracking", "--episodes", "8", "--unadapted"]
-    main([*given, "--policies", "my-network"])
-    assert "my-network" in capsys.readouterr().out
+    needed = needed_options("my-network")
+    arms = make_arms("ActiveSuit/ArmTracking-v0", 2, suit="emu-like", **needed)
+    policy = make_policy("my-network", arms)
+    action = policy.act(arms.reset(seed=0)[0])
+    assert action.shape == (2, 2) and np.abs(action).max() <= 1
+    assert str(policy_spec("my-network")) == "my-network"
+    rows = [("my-net-work", "my-network"), ("my-network:gain=2", "has no options")]
+    assert_refused(policy_spec, rows)
+    given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
+    assert "my-network" in run(capsys, *given, "--episodes", "8", "--unadapted")
+    assert "It does little." in run(capsys, "list", "policies")
+    observed = fails(capsys, *given, "--set", "history=3")
+    assert "what a policy observes follows from the policy" in observed
 
 
 @pytest.mark.slow
@@ -54,36 +51,10 @@ def test_the_benchmark_has_its_sensors(tmp_path):
     assert "| my-network | encoders |" in (tmp_path / "run" / "tables.md").read_text()
 
 
-def test_what_it_observes_cannot_be_given_beside_it(capsys):
-    given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
-    with pytest.raises(SystemExit):
-        main([*given, "--set", "history=3"])
-    assert "what a policy observes follows from the policy" in capsys.readouterr().err
-
-
-def test_the_list_of_policies_has_it(capsys):
-    main(["list", "policies"])
-    assert "It does little." in capsys.readouterr().out
-
-
-def test_an_unknown_name_is_answered_with_it():
-    with pytest.raises(InputError, match="my-network"):
-        policy_spec("my-net-work")
-
-
-def test_it_has_no_options():
-    with pytest.raises(InputError, match="has no options"):
-        policy_spec("my-network:gain=2")
-
-
-@pytest.fixture
-def really_shipped(monkeypatch):
-    monkeypatch.setattr(trained, "SHIPPED", SHIPPED)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(path.name for path in SHIPPED.iterdir()))
-def test_what_ships_is_small_and_relieves(name, really_shipped):
+def test_what_ships_is_small_and_relieves(name, monkeypatch):
+    monkeypatch.setattr(trained, "SHIPPED", SHIPPED)
     folder = SHIPPED / name
     assert {path.name for path in folder.iterdir()} == {"policy.json", "policy.safetensors"}
     assert sum(path.stat().st_size for path in folder.iterdir()) < 200_000
@@ -91,7 +62,6 @@ def test_what_ships_is_small_and_relieves(name, really_shipped):
     assert card.license == "Apache-2.0"
     assert len(card.training["best_of_seeds"]) >= 3
     assert card.summary.endswith(".")
-    found = evaluate(
-        "ActiveSuit/ArmTracking-v0", ["none", name], episodes=8, max_episode_steps=300, threads=1
-    )
+    short = {"episodes": 8, "max_episode_steps": 300, "threads": 1}
+    found = evaluate("ActiveSuit/ArmTracking-v0", ["none", name], **short)
     assert found.relief(name).low > found.relief("none").high

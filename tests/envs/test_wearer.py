@@ -28,11 +28,8 @@ class Again(RandomMoves):
         return super().motion(np.random.default_rng(5), samples, dt)
 
 
-STILL = RandomMoves(
-    name="Still",
-    hold={"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)},
-    duration=2.0,
-)
+BENT = {"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)}
+STILL = RandomMoves(name="Still", hold=BENT, duration=2.0)
 AGAIN = Again(name="Again", span=ARM_TRACKING.span, duration=4.0)
 MOTION = "Test/Again-v0"
 
@@ -44,73 +41,59 @@ def registered():
     del gymnasium.registry[MOTION]
 
 
-def episode(env, action=None):
-    """Returns the tracking error of a whole episode [rad], shape (periods, 4), and its rewards."""
-    action = np.zeros(env.action_space.shape) if action is None else action
-    errors, rewards, over = [], [], False
-    while not over:
-        _, reward, ended, over, info = env.step(action)
-        assert not ended
-        errors.append(info["target_angle"] - info["angle"])
-        rewards.append(reward)
-    return np.array(errors), np.array(rewards)
-
-
 def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 # --- Learning -----------------------------------------------------------------------------------
 
+PLACE = {"coupling": "none", "gravity": "microgravity"}
+
 
 def repeated(env, times):
-    errors = []
+    """Returns the tracking errors of whole episodes [rad], shape (periods, 2) each."""
+    found = []
     for _ in range(times):
-        env.reset()
-        errors.append(episode(env)[0][:, MOVED])
-    return errors
+        errors, over = [], False
+        if found:
+            env.reset()
+        while not over:
+            *_, ended, over, info = env.step(np.zeros(env.action_space.shape))
+            assert not ended
+            errors.append(info["target_angle"] - info["angle"])
+        found.append(np.array(errors)[:, MOVED])
+    return found
 
 
 @pytest.fixture(scope="module")
 def practised():
     """A wearer who has repeated a motion in the suit, and the errors of each time."""
-    env = ArmEnv(AGAIN, coupling="none", gravity="microgravity")
+    env = ArmEnv(AGAIN, **PLACE)
     env.reset(seed=0)
-    return SimpleNamespace(env=env, errors=[episode(env)[0][:, MOVED], *repeated(env, 11)])
+    return SimpleNamespace(env=env, errors=repeated(env, 12))
 
 
-def test_errors_fall_from_episode_to_episode(practised):
+def test_errors_fall_and_after_effects_point_the_other_way_and_are_forgotten(practised):
     sizes = [rms(error) for error in practised.errors]
-    assert sizes[4] < 0.6 * sizes[0]
-    assert sizes[-1] < 0.45 * sizes[0]
-
-
-def test_after_effects_point_the_other_way_and_are_forgotten(practised):
-    options = {"coupling": "none", "gravity": "microgravity"}
-    bare = ArmEnv(AGAIN, suit="none", **options)
+    assert sizes[4] < 0.6 * sizes[0] and sizes[-1] < 0.45 * sizes[0]
+    bare = ArmEnv(AGAIN, suit="none", **PLACE)
     bare.reset(seed=0)
-    before, _ = episode(bare)
+    (usual,) = repeated(bare, 1)
     state(bare).next_gains[:] = state(practised.env).next_gains  # the suit is taken off
+    bare.reset()
     errors = repeated(bare, 12)
-    loaded = practised.errors[0]
-    usual = before[:, MOVED]
-    first = errors[0] - usual
-    assert np.sum(first * (loaded - usual)) < -0.2 * np.sum((loaded - usual) ** 2)
+    loaded, first = practised.errors[0] - usual, errors[0] - usual
+    assert np.sum(first * loaded) < -0.2 * np.sum(loaded**2)
     assert rms(errors[-1] - usual) < 0.4 * rms(first)
 
 
-def test_who_never_learns_repeats_the_same_errors():
-    env = ArmEnv(AGAIN, control={"adaptation": 0.0})
+def test_a_seed_forgets_and_no_seed_remembers_if_the_wearer_ever_learns(practised):
+    env, never = ArmEnv(AGAIN, **PLACE), ArmEnv(AGAIN, control={"adaptation": 0.0})
+    never.reset(seed=0)
+    np.testing.assert_array_equal(*repeated(never, 2))
+    assert state(never).gains.size == 0
     env.reset(seed=0)
-    first, *others = [episode(env)[0], *repeated(env, 1)]
-    np.testing.assert_array_equal(first[:, MOVED], others[0])
-    assert state(env).gains.size == 0
-
-
-def test_a_seed_forgets_and_no_seed_remembers(practised):
-    env = ArmEnv(AGAIN, coupling="none", gravity="microgravity")
-    env.reset(seed=0)
-    episode(env)
+    repeated(env, 1)
     kept = state(env).next_gains.copy()
     assert not state(env).gains.any()  # what was learned is foreseen in the next episode
     env.reset()
@@ -118,71 +101,46 @@ def test_a_seed_forgets_and_no_seed_remembers(practised):
     assert kept.any()
     env.reset(seed=0)
     assert not state(env).gains.any()
-    np.testing.assert_array_equal(episode(env)[0][:, MOVED], practised.errors[0])
+    np.testing.assert_array_equal(repeated(env, 1)[0], practised.errors[0])
 
 
 # --- Adapted wearers ----------------------------------------------------------------------------
 
-SCENE = {"coupling": "none", "gravity": "microgravity", "threads": 1}
 
-
-@pytest.fixture(scope="module")
-def learned():
-    """Errors of repetitions with the law of learning, the torque after them, and its limit."""
-    wearers = Wearers(MOTION, 1, **SCENE)
+def test_the_adapted_wearer_is_the_limit_of_the_law():
+    """Whose error of a repeated motion falls to a quarter in 10 to 30 repetitions."""
+    wearers = Wearers(MOTION, 1, threads=1, **PLACE)
     policy = make_policy("none", wearers.arms)
     traces = wearers.unadapted(policy, [0])
-    simulation = wearers.arms.episodes.simulation
-    own, learned_torque = simulation.own_torque(np.array([0])), 0.0
+    own, learned = wearers.arms.episodes.simulation.own_torque(np.array([0])), 0.0
     errors = []
     for _ in range(31):
         (trace,) = traces
         errors.append(rms((trace.angle - trace.target_angle)[:, MOVED]))
-        answer = smoothed([trace.human_torque], own.shape[1]) - own - learned_torque
+        answer = smoothed([trace.human_torque], own.shape[1]) - own - learned
         late = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], axis=1)
-        learned_torque = (1 - FORGETTING) * learned_torque + RATE * late
-        traces = rollout(wearers.arms, policy, [0], learned={"learned_torque": learned_torque})
-    lesson = wearers.learned_torque(lambda: policy, [0])
+        learned = (1 - FORGETTING) * learned + RATE * late
+        traces = rollout(wearers.arms, policy, [0], learned={"learned_torque": learned})
+    assert 10 <= np.flatnonzero(np.array(errors) < 0.25 * errors[0])[0] <= 30
+    lesson = wearers.learned_torque(lambda: policy, [0])[..., MOVED]
+    assert rms(learned[..., MOVED] - lesson) < 0.1 * rms(lesson)
     wearers.close()
-    return SimpleNamespace(errors=errors, torque=learned_torque, lesson=lesson)
 
 
-def test_the_error_of_a_repeated_motion_falls_to_a_quarter_in_10_to_30(learned):
-    below = np.flatnonzero(np.array(learned.errors) < 0.25 * learned.errors[0])
-    assert 10 <= below[0] <= 30
-
-
-def test_the_adapted_wearer_is_the_limit_of_the_law(learned):
-    off = learned.torque - learned.lesson
-    assert rms(off[..., MOVED]) < 0.1 * rms(learned.lesson[..., MOVED])
-
-
-@pytest.fixture(scope="module")
-def adapted():
-    """Motions of adapted wearers under two policies, after two and three guided rollouts."""
+def test_who_has_learned_the_exoskeleton_gains_from_it_and_little_more_from_a_repetition():
+    """After two and three guided rollouts."""
     found = {}
-    for name in ("none", "compensation"):
+    for name, change in (("none", 0.002), ("compensation", 0.03)):
         wearers = Wearers(MOTION, 1, threads=1)
-        policy = make_policy(name, wearers.arms)
+        policy, traces = make_policy(name, wearers.arms), []
         for rollouts in (2, 3):
-            learned_torque = wearers.learned_torque(
-                lambda policy=policy: policy, [0], rollouts=rollouts
-            )
-            (found[name, rollouts],) = rollout(
-                wearers.arms, policy, [0], learned={"learned_torque": learned_torque}
-            )
+            lesson = wearers.learned_torque(lambda made=policy: made, [0], rollouts=rollouts)
+            traces += rollout(wearers.arms, policy, [0], learned={"learned_torque": lesson})
         wearers.close()
-    return found
-
-
-@pytest.mark.parametrize(("name", "change"), [("none", 0.002), ("compensation", 0.03)])
-def test_another_guided_repetition_changes_little(adapted, name, change):
-    two, three = (rms(adapted[name, rollouts].effort) for rollouts in (2, 3))
-    assert three == pytest.approx(two, rel=change)
-
-
-def test_who_has_learned_the_exoskeleton_gains_from_it(adapted):
-    off, assisted = adapted["none", 2], adapted["compensation", 2]
+        two, three = (rms(trace.effort) for trace in traces)
+        assert three == pytest.approx(two, rel=change)
+        found[name] = traces[0]
+    off, assisted = found["none"], found["compensation"]
     assert rms(assisted.human_torque) < 0.5 * rms(off.human_torque)
     assert rms(assisted.angle - assisted.target_angle) < 0.01  # rad
 

@@ -15,7 +15,6 @@ from activesuit.envs.evaluation import FIRST_SEED, evaluate
 from activesuit.envs.policies import POLICIES, PolicySpec
 from activesuit.envs.policies.trained import shipped_policies
 from activesuit.envs.tasks import TASKS
-from activesuit.errors import InputError
 from helpers import assert_refused, short_benchmark
 
 MOTIONS = 8
@@ -47,14 +46,11 @@ def results(small):
 
 def test_the_full_suite_has_everything():
     full = SUITES["full"]
-    assert full.tasks == tuple(TASKS)
-    assert len(full.levels) == 3
-    assert full.episodes == 20
-    known = {*POLICIES, *shipped_policies()}
-    assert (
-        known > set(full.policies) > {*shipped_policies(), "compensation", "adaptive", "predictive"}
-    )
+    assert (full.tasks, len(full.levels), full.episodes) == (tuple(TASKS), 3, 20)
+    least = {*shipped_policies(), "compensation", "adaptive", "predictive"}
+    assert {*POLICIES, *shipped_policies()} > set(full.policies) > least
     assert not {"oracle", "corrected"} & set(full.policies)
+    assert set(SUITES["cuffs"].policies) > {"compensation", "corrected"}
     assert all(task_of_suite(name).duration <= task.duration for name, task in TASKS.items())
     names = [trial.file_name for trial in full.trials]
     assert len(set(names)) == len(names)
@@ -62,22 +58,12 @@ def test_the_full_suite_has_everything():
     shifted = [t for t in full.trials if t.setting.level == "shift" and t.setting.task == "Scoop"]
     runs = [trial.label for trial in shifted]
     assert (runs.count("none"), runs.count("compensation")) == (1, 2)
-    assert {t.policy.options["suit"] for t in shifted if t.label == "compensation"} == {
-        "mock-suit",
-        "emu-like",
-    }
-
-
-def test_results_on_cuffs_are_not_merged_with_others():
-    assert set(SUITES["cuffs"].policies) > {"compensation", "corrected"}
-    assert SUITES["cuffs"].contract != SUITES["full"].contract == SUITES["quick"].contract
-
-
-def test_beliefs_at_shift_are_of_another_suit():
-    options = Setting("Ratchet", "shift", "mock-suit").options
-    assert "suit" not in options  # the level says which one is worn
-    assert Setting("Ratchet", "shift", "mock-suit").true_suit == "emu-like"
-    assert Setting("Ratchet", "nominal", "mock-suit").true_suit == "mock-suit"
+    beliefs = {t.policy.options["suit"] for t in shifted if t.label == "compensation"}
+    assert beliefs == {"mock-suit", "emu-like"}
+    setting = Setting("Ratchet", "shift", "mock-suit")
+    assert "suit" not in setting.options  # the level says which one is worn
+    assert setting.true_suit == "emu-like"
+    assert setting._replace(level="nominal").true_suit == "mock-suit"
 
 
 def test_a_trial_is_what_evaluate_says(small, results):
@@ -85,9 +71,8 @@ def test_a_trial_is_what_evaluate_says(small, results):
         "ActiveSuit/ElbowFlexion-v0", ["compensation"], episodes=MOTIONS, suit="emu-like"
     )
     mine = {one.policy: one for one in results}
-    np.testing.assert_allclose(
-        mine["compensation"].effort, found.scores["compensation"].effort, rtol=1e-5
-    )
+    effort = found.scores["compensation"].effort
+    np.testing.assert_allclose(mine["compensation"].effort, effort, rtol=1e-5)
     np.testing.assert_allclose(mine["suited"].effort, found.scores["suited"].effort, rtol=1e-5)
     standings = Standings(results)
     (setting,) = standings.settings
@@ -107,8 +92,7 @@ def test_standings(results):
     assert right.relief.value > wrong.relief.value
     assert right.assisted.value > right.relief.value  # the wrist has no motor
     assert right.assisted.low < right.assisted.value < right.assisted.high
-    assert wrong.gain.high < 0
-    assert wrong.compared[2] > 0.5 > wrong.compared[0]
+    assert wrong.gain.high < 0 and wrong.compared[2] > 0.5 > wrong.compared[0]
     assert sum(wrong.compared) == pytest.approx(1)
     assert right.gain is None  # it is what the others are compared with
     assert right.compared is None
@@ -122,19 +106,10 @@ def test_standings(results):
 
 
 def made(**changes) -> Result:
-    usual = Result(
-        **{"task": "Scoop", "level": "nominal", "believed": "mock-suit", "policy": "none"},
-        **{"options": {"name": "none"}, "effort": (0.1, 0.2), "tracking": (0.01, 0.02)},
-        **{
-            "assisted_effort": (0.1, 0.2),
-            "success": (True, False),
-            "failed": None,
-            "protocol": PROTOCOL,
-        },
-    )
-    return replace(
-        usual, **({"assisted_effort": changes["effort"]} if "effort" in changes else {}) | changes
-    )
+    usual = {"task": "Scoop", "level": "nominal", "believed": "mock-suit", "policy": "none"}
+    usual |= {"options": {"name": "none"}, "effort": (0.1, 0.2), "tracking": (0.01, 0.02)}
+    usual |= {"success": (True, False), "failed": None, "protocol": PROTOCOL, **changes}
+    return Result(**{"assisted_effort": usual["effort"], **usual})
 
 
 def test_the_best_known_plan_is_no_worse_than_a_policy_that_succeeds_whatever_it_believes():
@@ -183,13 +158,18 @@ def test_a_policy_stands_only_at_levels_where_it_ran(results):
     assert all(np.isfinite(one.success) for one in standings.by_level("randomized"))
 
 
-def test_a_suit_file_of_other_content_is_another_contract(tmp_path):
-    path, contracts = tmp_path / "suit.json", set()
+def test_a_suit_file_names_results_and_its_content_the_contract(tmp_path):
+    path, contracts = tmp_path / "my.json", {SUITES["full"].contract, SUITES["cuffs"].contract}
     for name in ("mock-suit", "emu-like"):
         save_suit(load_suit(name), path)
-        contracts.add(suite("quick", believed=(str(path),)).contract)
+        small = suite("quick", tasks=("ElbowFlexion",), believed=(str(path),))
+        contracts.add(small.contract)
         path.unlink()
-    assert len(contracts | {SUITES["full"].contract}) == 3
+    assert len(contracts) == 4
+    assert SUITES["full"].contract == SUITES["quick"].contract
+    names = [trial.file_name for trial in small.trials]
+    assert not any("/" in name for name in names) and any(".my." in name for name in names)
+    assert len(set(names)) == len(names)
 
 
 def test_results_go_through_a_file(tmp_path):
@@ -203,10 +183,7 @@ def test_results_go_through_a_file(tmp_path):
 
 def test_results_that_cannot_be_merged(tmp_path):
     rows = [
-        (
-            lines([made(protocol={"contract": "x"})]),
-            "contract 'x', and those before .*'abc'",
-        ),
+        (lines([made(protocol={"contract": "x"})]), "contract 'x', and those before .*'abc'"),
         (lines([made(effort=(0.3, 0.3))]), "different results of none in Scoop at nominal"),
         ("{}\n", "line 1, is no result of the benchmark"),
         (lines([made(effort=(0.1,))]), "series of different lengths"),
@@ -218,6 +195,10 @@ def test_results_that_cannot_be_merged(tmp_path):
     for content, message in rows:
         (tmp_path / "b.jsonl").write_text(content)
         assert_refused(read_results, [([tmp_path / "a.jsonl", tmp_path / "b.jsonl"], message)])
+    missing = (tmp_path / "none.jsonl", tmp_path, Path("a\0b"))
+    rows = [([], "there are no results: give a file")]
+    rows += [([path], "cannot read the results") for path in missing]
+    assert_refused(read_results, rows)
 
 
 def test_a_reference_that_failed_leaves_no_relief():
@@ -228,28 +209,10 @@ def test_a_reference_that_failed_leaves_no_relief():
     assert standings.standing("compensation", [setting]).relief is None
 
 
-def test_a_suit_file_in_a_folder_names_no_folder_of_results(tmp_path):
-    save_suit(load_suit("emu-like"), tmp_path / "my.json")
-    small = suite("quick", tasks=("ElbowFlexion",), believed=(str(tmp_path / "my.json"),))
-    names = [trial.file_name for trial in small.trials]
-    assert all("/" not in name for name in names)
-    assert any(".my." in name for name in names)
-    assert len(set(names)) == len(names)
-
-
-def test_there_must_be_results(tmp_path):
-    with pytest.raises(InputError, match="there are no results: give a file"):
-        read_results([])
-    for path in (tmp_path / "none.jsonl", tmp_path, Path("a\0b")):
-        with pytest.raises(InputError, match="cannot read the results"):
-            read_results([path])
-
-
 def test_a_policy_that_cannot_act_fails_and_the_run_goes_on(small):
     (trial,) = [one for one in small.trials if one.label == "none"]
     found = run_trial(small, trial._replace(policy=PolicySpec("corrected"), label="corrected"))
-    assert "cuffs" in found.failed
-    assert found.success == (False,) * MOTIONS
+    assert "cuffs" in found.failed and found.success == (False,) * MOTIONS
     assert json.loads(found.to_json())["effort"] == [None] * MOTIONS
     standings = Standings([*[run_trial(small, one) for one in small.trials[:2]], found])
     assert standings.standing("corrected", standings.settings).failed == 1

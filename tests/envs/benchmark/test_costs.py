@@ -10,7 +10,7 @@ from activesuit.envs.benchmark.costs import cost_over, measures_of
 from activesuit.envs.benchmark.results import Result, lines, read_results
 from activesuit.envs.benchmark.score_report import benchmark_says
 from activesuit.envs.benchmark.standings import Standings
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 MOTIONS = 8
 HERE = Setting("ElbowFlexion", "nominal", "emu-like")
@@ -58,25 +58,20 @@ def test_a_trial_with_several_scores_counts_once_with_all(tmp_path):
         path.write_text(lines(found))
     assert read_results(paths) == read_results(paths[::-1]) == both
     paths[0].write_text(lines([replace(SCORED[0], extra={"toy": SCORES["suited"]})]))
-    with pytest.raises(InputError, match="have different results of unsuited"):
-        read_results(paths)
+    assert_refused(read_results, [(paths, "have different results of unsuited")])
 
 
-@pytest.mark.parametrize(
-    ("score", "message"),
-    [
+def test_damaged_scores_are_named():
+    rows = [
         ({"costs": {"heat": {"standard": [1.0]}}}, "has not 8 values of toy.heat under 'standard'"),
         ({"costs": {"heat": {"other": [1.0] * 8}}}, "has not 8 values of toy.heat"),
         (heat(-1.0), "extra.toy.costs.heat.other.0"),
         (heat(1.0, loaded={"a" * 201: 0.1}), "extra.toy.facts.loaded"),
         (heat(1.0, loaded="much"), "extra.toy.facts"),
         ({"watts": 1}, "extra.toy.watts"),
-    ],
-)
-def test_damaged_scores_are_named(score, message):
-    text = result("none", score=score).to_json()
-    with pytest.raises(InputError, match=message):
-        Result.from_json(text, "line 1")
+    ]
+    rows = [(result("none", score=score).to_json(), "line 1", words) for score, words in rows]
+    assert_refused(Result.from_json, rows)
 
 
 def test_settings_have_a_mean_relief_and_its_range():

@@ -7,12 +7,10 @@ from activesuit.envs.evaluation.statistics import interquartile_mean, interquart
 SETTINGS, MOTIONS, TASKS, REPEATS = 24, 20, 12, 1000
 
 
-def covered(draw, *, resamples=400):
+def covered(draw):
     """Returns the share of repeats whose nominal 95 % interval holds the truth."""
     truth = np.mean([interquartile_mean(draw().ravel()) for _ in range(20_000)])
-    found = (
-        interquartile_mean_interval(draw(), resamples=resamples, seed=i) for i in range(REPEATS)
-    )
+    found = (interquartile_mean_interval(draw(), resamples=400, seed=i) for i in range(REPEATS))
     return np.mean([one.low <= truth <= one.high for one in found])
 
 

@@ -35,8 +35,7 @@ def rest(time):
 def test_a_sine_has_its_period_and_amplitude(intended, period, amplitude):
     error = amplitude * np.sin(2 * np.pi * TIME / period + 0.4) + amplitude * (TIME / 60 - 0.3)
     found = oscillation(error, intended(TIME), DT)
-    assert found is not None
-    assert found.period_s == pytest.approx(period, rel=0.03)
+    assert found is not None and found.period_s == pytest.approx(period, rel=0.03)
     assert found.amplitude == pytest.approx(amplitude, rel=0.05)
     assert oscillation(error + 2 * amplitude, intended(TIME), DT) is None  # most of it is constant
 
@@ -47,8 +46,7 @@ def test_a_cycle_that_begins_anew_at_each_place():
     swing = np.tanh(3 * np.sin(2 * np.pi * since / 2.4)) * (since < 6.0)
     noise = np.random.default_rng(0).normal(scale=0.1, size=len(TIME))
     found = oscillation(0.05 * (swing + noise), moves(TIME), DT)
-    assert found is not None
-    assert found.period_s == pytest.approx(2.4, rel=0.02)
+    assert found is not None and found.period_s == pytest.approx(2.4, rel=0.02)
 
 
 @pytest.mark.parametrize("seconds", [0.5, 24, pytest.param(120, marks=pytest.mark.slow)])

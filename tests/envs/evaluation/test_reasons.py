@@ -53,8 +53,7 @@ def test_a_lost_arm_has_its_reason():
     for trace in traces:
         assert trace.terminated and not trace.success
         lost = trace.why[0]
-        assert lost.name == "lost"
-        assert lost.time_s == trace.time[-1]
+        assert (lost.name, lost.time_s) == ("lost", trace.time[-1])
         assert lost.part in ("shoulder_flexion", "elbow_flexion")
 
 
@@ -78,8 +77,7 @@ def test_a_motor_that_is_hot_and_one_at_its_peak():
     found = score("it", traces)
     for i, trace in enumerate(traces):
         hot = found.hot_from["shoulder_flexion"][i]
-        assert np.isfinite(hot)
-        assert trace.motor_load is not None
+        assert np.isfinite(hot) and trace.motor_load is not None
         before = trace.motor_load[trace.time < hot, 0]
         assert (before < 1).all()
         assert np.isinf(found.hot_from["elbow_flexion"][i])
@@ -98,16 +96,15 @@ def test_without_motors_none_is_hot_and_with_fatigue_strength_falls():
         assert trace.fatigue.shape == trace.strength.shape == (len(trace.time), 2, 4)
         assert 0 < trace.fatigue[-1].max() < 1
     rested, _ = played(task, "none", fatigue=False)
-    assert rested[0].fatigue is None
-    assert score("it", rested).fatigued == {}
+    assert rested[0].fatigue is None and score("it", rested).fatigued == {}
     tired, fresh = score("it", traces).strength_left, score("it", rested).strength_left
     assert all(tired[joint][0] <= fresh[joint][0] for joint in tired)
     assert tired["shoulder_flexion"][0] < fresh["shoulder_flexion"][0]
 
 
 def test_the_most_frequent_reason_comes_first():
-    def reason(name, value, time, part=None):
-        return Reason(name, value, 0.1, "rad", time, part)
+    def reason(name, value, time, part=None, swing=None):
+        return Reason(name, value, 0.1, "rad", time, part, swing)
 
     why = [
         (reason("tilt", 0.2, 1.0),),
@@ -119,37 +116,33 @@ def test_the_most_frequent_reason_comes_first():
     assert (first.name, first.motions, first.value, first.time_s) == ("tilt", 3, 0.4, 3.0)
     assert (second.name, second.motions, second.part) == ("worst_joint", 2, "a")
     assert second.value == pytest.approx(0.4)
+    # An oscillation of most motions is that of all.
+    swings = [Oscillation(period, 0.1 * period) for period in (2.0, 3.0, 2.5)]
+    for some, expected in (
+        ([*swings, None, None], Oscillation(2.5, 0.25)),
+        ([swings[0], None], None),
+    ):
+        why = [(reason("worst_joint", 0.1, 1.0, "a", swing),) for swing in some]
+        assert most_frequent(why)[0].oscillation == expected
 
 
 @pytest.mark.slow
 def test_a_weak_wearer_oscillates_under_compensation_only():
     task = replace(TASKS["OverheadHold"], duration=30.0)
     weak = {"gravity": "moon", "wearer": {"sex": "female", "strength": 20}}
-    for policy in ("compensation", "none"):
-        traces, _ = played(task, policy, **weak)
-        reasons = {one.name: one for trace in traces for one in trace.why}
-        assert all(one.oscillation is None for one in reasons.values() if one.unit != "rad")
-        if policy == "none":
-            assert all(one.oscillation is None for one in reasons.values())
-            continue
-        found = reasons["worst_joint"].oscillation
-        assert found is not None and reasons["worst_joint"].part == "shoulder_flexion"
-        (trace, *_) = traces
-        error = (trace.angle - trace.target_angle)[:, JOINTS.index("shoulder_flexion")]
-        still = (trace.time > 9) & (trace.time < 13)  # at the second place
-        ups = np.flatnonzero(np.diff(np.sign(error[still])) > 0)
-        assert np.diff(ups) * 0.01 == pytest.approx(found.period_s, rel=0.15)
-        assert found.amplitude == pytest.approx(np.sqrt(2) * error.std(), rel=0.3)
-
-
-def test_an_oscillation_of_most_motions_is_that_of_all():
-    swings = [Oscillation(period, 0.1 * period) for period in (2.0, 3.0, 2.5)]
-
-    def why(*oscillations):
-        return [(Reason("worst_joint", 0.1, 0.03, "rad", 1.0, "a", one),) for one in oscillations]
-
-    assert most_frequent(why(*swings, None, None))[0].oscillation == Oscillation(2.5, 0.25)
-    assert most_frequent(why(swings[0], None))[0].oscillation is None
+    alone, _ = played(task, "none", **weak)
+    assert all(one.oscillation is None for trace in alone for one in trace.why)
+    traces, _ = played(task, "compensation", **weak)
+    reasons = {one.name: one for trace in traces for one in trace.why}
+    assert all(one.oscillation is None for one in reasons.values() if one.unit != "rad")
+    found = reasons["worst_joint"].oscillation
+    assert found is not None and reasons["worst_joint"].part == "shoulder_flexion"
+    trace = traces[0]
+    error = (trace.angle - trace.target_angle)[:, JOINTS.index("shoulder_flexion")]
+    still = (trace.time > 9) & (trace.time < 13)  # at the second place
+    ups = np.flatnonzero(np.diff(np.sign(error[still])) > 0)
+    assert np.diff(ups) * 0.01 == pytest.approx(found.period_s, rel=0.15)
+    assert found.amplitude == pytest.approx(np.sqrt(2) * error.std(), rel=0.3)
 
 
 def test_each_number_of_a_score_has_a_unit():

@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.model.bushing import Bushing, attach_bushing, replace_bushing
-from activesuit.errors import InputError
 from helpers import assert_refused
 from mujoco.batch import Batch
 from scipy.spatial.transform import Rotation
@@ -59,15 +58,6 @@ def scatter(model, data, seed, size=1.0):
     mujoco.mj_forward(model, data)
 
 
-def total_energy(data):
-    mujoco.mj_forward(data.model, data)
-    return data.energy.sum() + data.sensor("cuff_energy").data[0]
-
-
-def wrench(data):
-    return data.sensor("cuff_force").data.copy(), data.sensor("cuff_torque").data.copy()
-
-
 @pytest.mark.parametrize(("mjcf", "seed"), [(FREE, 0), (CHAINS, 1)])
 def test_the_force_is_the_gradient_of_the_energy(mjcf, seed):
     model, data = coupled(mjcf, Bushing(**SPRINGS))
@@ -94,7 +84,7 @@ def test_sensors_agree_with_the_relative_motion(mjcf):
         stretch = position - bushing.offset
         axes = [Rotation.from_matrix(data.site(s).xmat.reshape(3, 3)) for s in ("exo", "limb")]
         turn = (axes[0].inv() * axes[1]).as_rotvec()
-        force, torque = wrench(data)
+        force, torque = (data.sensor(f"cuff_{name}").data for name in ("force", "torque"))
         expected = -np.multiply(bushing.stiffness, stretch) - np.multiply(bushing.damping, velocity)
         np.testing.assert_allclose(force, expected, rtol=1e-10, atol=1e-9)
         expected = -20 * turn - np.multiply(bushing.rotational_damping, spin)
@@ -118,31 +108,6 @@ def test_the_torque_is_right_at_every_angle(axis):
             mujoco.mj_forward(model, data)
             turn = sign * (angle if angle < np.pi else angle - 2 * np.pi)
             assert data.qfrc_passive[0] == pytest.approx(-30 * turn, rel=1e-14, abs=1e-13)
-
-
-def test_energy_is_conserved_without_dampers():
-    model, data = coupled(FREE, Bushing(**SPRINGS))
-    data.qvel[:] = np.random.default_rng(0).standard_normal(12)
-    start, turned = total_energy(data), 0.0
-    for _ in range(40):
-        mujoco.mj_step(model, data, nstep=1000)
-        turned = max(turned, np.abs(wrench(data)[1]).max())
-        assert total_energy(data) == pytest.approx(
-            start, rel=1e-6
-        )  # RK4's own error: 2e-8 a second
-    assert turned > 10
-
-
-@pytest.mark.parametrize("mjcf", [FREE, CHAINS])
-def test_dampers_only_take_energy(mjcf):
-    model, data = coupled(mjcf, Bushing(**SPRINGS, **DAMPERS))
-    scatter(model, data, 1, size=0.2)
-    energies = [total_energy(data)]
-    for _ in range(200):
-        mujoco.mj_step(model, data, nstep=10)
-        energies.append(total_energy(data))
-    assert np.diff(energies).max() <= 1e-9
-    assert energies[0] - energies[-1] > 1
 
 
 @pytest.mark.parametrize("integrator", ["IMPLICITFAST", "RK4"])
@@ -197,31 +162,19 @@ def test_two_bushings_and_a_site_on_the_world():
     assert model.nsensor == 3
 
 
-def test_numbers_that_are_no_bushing_are_refused():
-    rows = [
-        ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
-        ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
-        ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
-        ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
-    ]
-    assert_refused(lambda change: Bushing(**change), rows)
-
-
 def test_wrong_names_are_refused():
     spec = mujoco.MjSpec.from_string(FREE.format(sensors=""))
-    with pytest.raises(InputError, match=r"unknown site 'limp'.*did you mean 'limb'"):
-        attach_bushing(spec, "cuff", "limp", "exo", Bushing())
-    with pytest.raises(InputError, match="are on one body: a bushing connects two"):
-        attach_bushing(spec, "cuff", "limb", "limb", Bushing())
     attach_bushing(spec, "cuff", "limb", "exo", Bushing())
-    with pytest.raises(InputError, match="plugin instance 'cuff' already"):
-        attach_bushing(spec, "cuff", "limb", "exo", Bushing())
     model = spec.compile()
     state = mujoco.MjData(model).plugin_state
-    with pytest.raises(InputError, match="unknown bushing 'cuf': use one of cuff"):
-        replace_bushing(model, state, "cuf", Bushing())
-    with pytest.raises(InputError, match=r"plugin_state has the shape \(3,\)"):
-        replace_bushing(model, state[:3], "cuff", Bushing())
+    rows = [
+        (attach_bushing, spec, "a", "limp", "exo", r"unknown site 'limp'.*did you mean 'limb'"),
+        (attach_bushing, spec, "a", "limb", "limb", "are on one body: a bushing connects two"),
+        (attach_bushing, spec, "cuff", "limb", "exo", "plugin instance 'cuff' already"),
+        (replace_bushing, model, state, "cuf", "unknown bushing 'cuf': use one of cuff"),
+        (replace_bushing, model, state[:3], "cuff", r"plugin_state has the shape \(3,\)"),
+    ]
+    assert_refused(lambda call, *given: call(*given, Bushing()), rows)
 
 
 def plain_mjcf(config, sensor="a_force"):
@@ -232,29 +185,32 @@ def plain_mjcf(config, sensor="a_force"):
     return text.replace("<option", f"<extension>{plugin}</extension><option", 1)
 
 
-ENDS = {"limb": "limb", "exo": "exo"}
-
-
-def test_plain_mjcf_works():
-    config = ENDS | {"stiffness": "4500 3000 2100", "rotational_stiffness": "30 60 20"}
-    config["offset"] = "0.01 0 -0.02"
-    model = mujoco.MjModel.from_xml_string(plain_mjcf(config))
-    np.testing.assert_array_equal(
-        mujoco.MjData(model).plugin_state, Bushing(**SPRINGS).parameter_vector
-    )
-
-
-def test_mistakes_in_mjcf_get_one_sentence():
+def test_plain_mjcf_works_and_its_mistakes_get_one_sentence():
+    ends = {"limb": "limb", "exo": "exo"}
+    config = {name: " ".join(map(str, numbers)) for name, numbers in SPRINGS.items()}
+    model = mujoco.MjModel.from_xml_string(plain_mjcf(ends | config))
+    expected = Bushing(**SPRINGS).parameter_vector
+    np.testing.assert_array_equal(mujoco.MjData(model).plugin_state, expected)
     rows = [
         ({"limb": "limb"}, "a_force", "of limb site 'limb': exo is '': the model has no such site"),
-        (ENDS | {"exo": "limb"}, "a_force", "same body"),
-        (ENDS | {"stiffness": "1 2"}, "a_force", "stiffness is '1 2': give three finite numbers"),
-        (ENDS | {"damping": "1 -2 3"}, "a_force", "damping is '1 -2 3': .* at least 0"),
-        (ENDS, "a_pressure", "must end in force, torque or energy"),
+        (ends | {"exo": "limb"}, "a_force", "same body"),
+        (ends | {"stiffness": "1 2"}, "a_force", "stiffness is '1 2': give three finite numbers"),
+        (ends | {"damping": "1 -2 3"}, "a_force", "damping is '1 -2 3': .* at least 0"),
+        (ends, "a_pressure", "must end in force, torque or energy"),
     ]
     for config, sensor, sentence in rows:
         with pytest.raises(ValueError, match=sentence):
             mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
+
+
+def test_numbers_that_are_no_bushing_are_refused():
+    rows = [
+        ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
+        ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
+        ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
+        ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
+    ]
+    assert_refused(lambda change: Bushing(**change), rows)
 
 
 @pytest.mark.parametrize(

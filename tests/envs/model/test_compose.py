@@ -1,23 +1,19 @@
-"""Every configuration compiles, hangs as heavy as it must, and survives noise."""
+"""Every configuration compiles, weighs what it must, wears its suit and survives noise."""
 
 from itertools import product
 
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, load_suit, save_suit, suit_names
+from activesuit.assets import JOINTS, Suit, load_suit, save_suit, suit_names
 from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm, compose
+from activesuit.envs.model.compose import resisting_joints
 from activesuit.envs.model.config import COUPLINGS, SIDES
-from activesuit.envs.person import Person, segments
+from activesuit.envs.person import segments
+from arms import PEOPLE
+from helpers import assert_refused, without_volume_shares
 from scipy.stats import qmc
 
-PEOPLE = [
-    Person(),
-    Person.percentile("female", 5),
-    Person.percentile("male", 95),
-    Person(stature=1.4, mass=40.0, sex="female", strength=1.0),
-    Person(stature=2.1, mass=140.0, strength=99.0),
-]
 FEW = [
     {},
     {"coupling": "cuffs", "side": "left", "gravity": "mars", "wearer": PEOPLE[1]},
@@ -64,25 +60,20 @@ def test_every_model_compiles_holds_its_keyframes_and_survives_noise(fields):
         data.ctrl[:] = noise
         mujoco.mj_step(model, data, round(0.1 / model.opt.timestep))
     assert data.time == pytest.approx(0.1 * NOISES)
-    assert not data.warning.number.any()
-    assert np.isfinite(data.qpos).all()
+    assert not data.warning.number.any() and np.isfinite(data.qpos).all()
     over = np.maximum(model.jnt_range[:, 0] - data.qpos, data.qpos - model.jnt_range[:, 1])
     assert over.max() < 0.3
 
 
 def control_limits(model):
     """Joint range, 6 rad/s and full torque for the wearer; full torque for the motors."""
-    low, high = [], []
+    limits = []
     for i in range(model.nactuator):
-        force = model.actuator_forcerange[i]
-        if model.actuator(i).name.startswith("human_"):
-            span = model.joint(model.actuator(i).name.removeprefix("human_")).range
-            low += [span[0], -6, force[0]]
-            high += [span[1], 6, force[1]]
-        else:
-            low.append(force[0])
-            high.append(force[1])
-    return np.array(low), np.array(high)
+        name = model.actuator(i).name
+        if name.startswith("human_"):
+            limits += [model.joint(name.removeprefix("human_")).range, (-6, 6)]
+        limits.append(model.actuator_forcerange[i])
+    return np.array(limits).T
 
 
 def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
@@ -95,14 +86,11 @@ def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
 
 def test_gravity_torque_of_the_bare_arm():
     # de Leva 1996, 1.78 m, 80 kg: closed form, worked by hand.
-    for gravity, side, wanted in (
-        ("earth", "right", [11.82, 3.25]),
-        ("mars", "left", [4.47, 1.23]),
-        ("moon", "right", [1.95, 0.54]),
-        ("microgravity", "left", [0, 0]),
-    ):
-        torque = gravity_torque(bare_arm(ArmConfig(gravity=gravity, side=side)))
-        np.testing.assert_allclose(torque, wanted, atol=0.005)
+    table = {"earth": [11.82, 3.25], "mars": [4.47, 1.23], "moon": [1.95, 0.54]}
+    for gravity, wanted in {**table, "microgravity": [0, 0]}.items():
+        for side in SIDES:
+            torque = gravity_torque(bare_arm(ArmConfig(gravity=gravity, side=side)))
+            np.testing.assert_allclose(torque, wanted, atol=0.005)
 
 
 @pytest.mark.parametrize("person", PEOPLE[1:3])
@@ -121,18 +109,6 @@ def test_an_arm_without_suit_and_exoskeleton_weighs_what_the_bare_arm_does(perso
         np.testing.assert_allclose(gravity_torque(model), [shoulder, elbow], rtol=1e-12)
 
 
-def test_a_payload_weighs_what_it_weighs():
-    empty, loaded = (compose(ArmConfig(suit="none", payload={"mass": mass})) for mass in (0.0, 4.0))
-    data = mujoco.MjData(loaded)
-    data.joint("shoulder_flexion").qpos[0] = np.pi / 2
-    mujoco.mj_forward(loaded, data)
-    np.testing.assert_allclose(data.body("payload").xipos, data.geom("payload").xpos, atol=1e-12)
-    lever = data.body("payload").xipos[0] - data.site("elbow_center").xpos[0]
-    difference = gravity_torque(loaded)[1] - gravity_torque(empty)[1]
-    assert difference == pytest.approx(4.0 * 9.81 * lever, rel=1e-9)
-    assert loaded.body("exo_hand").id == loaded.body("payload").parentid[0]
-
-
 @pytest.mark.parametrize("fields", FEW[1:4], ids=range(3))
 def test_a_saved_specification_is_the_same_model(fields):
     spec = arm_spec(config_of(fields))
@@ -143,24 +119,12 @@ def test_a_saved_specification_is_the_same_model(fields):
     np.testing.assert_allclose(gravity_torque(again), gravity_torque(model), rtol=1e-4)
 
 
-def test_no_part_of_a_bare_hand_floats():
-    model = compose(ArmConfig(suit="none", coupling="none"))
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    skin = model.material("skin").id
-    parts = [i for i in range(model.ngeom) if model.geom_matid[i] == skin]
-    for body, arm in (("hand", "forearm"), ("other_forearm", "other_forearm")):
-        names = {model.body(body).id, model.body(arm).id}
-        apart = [i for i in parts if model.geom_bodyid[i] in names]
-        joined = [apart.pop(0)]
-        for known in joined:
-            touching = [
-                i for i in apart if mujoco.mj_geomDistance(model, data, known, i, 1.0, None) <= 0
-            ]
-            joined += touching
-            apart = [i for i in apart if i not in touching]
-        assert len(joined) > 10
-        assert not apart
+@pytest.mark.parametrize("gravity", ["microgravity", "moon"])
+def test_in_microgravity_feet_are_restrained_and_elsewhere_there_is_a_floor(gravity):
+    model = compose(ArmConfig(gravity=gravity))
+    bodies = {model.body(i).name for i in range(model.nbody)}
+    geoms = {model.geom(i).name for i in range(model.ngeom)}
+    assert ("foot_restraint" in bodies, "floor" in geoms) == (gravity != "moon", gravity == "moon")
 
 
 @pytest.mark.parametrize("pitch", [-0.3, np.pi / 2])
@@ -179,29 +143,6 @@ def test_a_leaning_torso_turns_the_arm_in_the_gravity_field(pitch):
     np.testing.assert_allclose(torque[1], torque[0], atol=1e-9)
 
 
-def test_in_microgravity_feet_are_restrained_and_elsewhere_there_is_a_floor():
-    def bodies_and_geoms(gravity):
-        model = compose(ArmConfig(gravity=gravity))
-        return (
-            {model.body(i).name for i in range(model.nbody)},
-            {model.geom(i).name for i in range(model.ngeom)},
-        )
-
-    bodies, geoms = bodies_and_geoms("microgravity")
-    assert "foot_restraint" in bodies
-    assert "floor" not in geoms
-    bodies, geoms = bodies_and_geoms("moon")
-    assert "foot_restraint" not in bodies
-    assert "floor" in geoms
-
-
-def test_every_call_returns_a_model_of_its_own():
-    first = compose(ArmConfig())
-    first.opt.gravity[:] = 0
-    second = compose(ArmConfig())
-    np.testing.assert_array_equal(second.opt.gravity, [0, 0, -9.81])
-
-
 def test_a_suit_file_with_a_new_content_is_read_again(tmp_path):
     suit, path = load_suit("mock-suit"), tmp_path / "suit.json"
     save_suit(suit, path)
@@ -211,7 +152,49 @@ def test_a_suit_file_with_a_new_content_is_read_again(tmp_path):
     assert compose(ArmConfig(suit=path)).nplugin == 1
 
 
-def test_the_specification_can_be_added_to():
-    spec = arm_spec(ArmConfig())
-    spec.body("hand").add_site(name="tool")
-    assert spec.compile().site("tool").bodyid == spec.compile().body("hand").id
+PROPORTIONAL = without_volume_shares(load_suit("emu-like"))
+
+
+@pytest.mark.parametrize("pressure", [40.0, 0.0])
+def test_a_config_scales_the_suit_to_its_pressure(pressure):
+    scaled = resisting_joints(ArmConfig(suit=PROPORTIONAL, pressure=pressure))
+    assert resisting_joints(ArmConfig(suit=PROPORTIONAL)) == PROPORTIONAL.joints
+    assert scaled == PROPORTIONAL.at_pressure(pressure).joints
+    assert compose(ArmConfig(suit=PROPORTIONAL, pressure=pressure)).nplugin == len(scaled)
+    used = ArmConfig(suit=PROPORTIONAL, pressure=pressure, preconditioned=True)
+    assert resisting_joints(used) == PROPORTIONAL.at_pressure(pressure).preconditioned().joints
+
+
+def test_the_pressure_of_the_papers_suit_is_not_known():
+    assert_refused(compose, [(ArmConfig(pressure=40.0), "does not tell at which its torque")])
+
+
+def test_a_preconditioned_suit_begins_in_its_steady_cycle():
+    fresh, used = (ArmConfig(preconditioned=used) for used in (False, True))
+    data = mujoco.MjData(model := compose(used))
+    data.qpos[:] = angles = [0.4, 0.6, 0.8, 0.3]
+    mujoco.mj_forward(model, data)
+    for joint, angle in zip(JOINTS, angles, strict=True):
+        torque = -data.sensor(f"{joint}_suit_torque").data[0]
+        entry = resisting_joints(used)[joint]
+        assert torque == entry.response([angle])[0]
+        loop = entry.steady_cycle()
+        assert torque == pytest.approx(np.interp(angle, loop.angle, loop.rising), rel=1e-3)
+        assert abs(torque - resisting_joints(fresh)[joint].response([angle])[0]) > 0.05
+    mujoco.mj_resetData(model, data)
+    assert compose(fresh).npluginstate == model.npluginstate
+
+
+def test_a_volume_share_reaches_the_physics():
+    elbow = load_suit("emu-like").joints["elbow_flexion"]
+    gas = elbow.model_copy(update={"volume_share": 0.8})
+    suit = Suit(name="s", description="", pressure_kpa=29.6, joints={"elbow_flexion": gas})
+    for pressure in (0.0, 40.0):
+        model = compose(ArmConfig(suit=suit, pressure=pressure))
+        data = mujoco.MjData(model)
+        data.qpos[2] = 1.3
+        mujoco.mj_forward(model, data)
+        expected = suit.at_pressure(pressure).joints["elbow_flexion"].response([1.3])[0]
+        torque = -data.sensor("elbow_flexion_suit_torque").data[0]
+        assert torque == pytest.approx(expected, abs=1e-12)
+        assert (torque > elbow.response([1.3])[0]) == (pressure > 29.6)

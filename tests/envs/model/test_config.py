@@ -4,15 +4,14 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import gymnasium
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
+from activesuit.envs import ArmEnv
 from activesuit.envs.model import ArmConfig, Exo, Payload, compose, resisting_joints
 from activesuit.envs.model.config import PROVENANCE
 from activesuit.envs.person import Person
 from activesuit.envs.policies import make_policy
-from activesuit.errors import InputError
 from helpers import assert_refused
 
 RICH = ArmConfig(
@@ -45,11 +44,8 @@ def test_nested_dicts_replace_single_fields():
     assert ArmConfig.from_dict({"tilt": [0.1, 0]}).tilt == (0.1, 0.0)
 
 
-def test_a_path_is_a_suit():
+def test_a_path_is_a_suit_and_the_step_follows_the_coupling():
     assert ArmConfig(suit=Path("folder") / "mine.json").suit == str(Path("folder") / "mine.json")
-
-
-def test_the_step_follows_the_coupling():
     steps = ({}, {"coupling": "cuffs"}, {"coupling": "cuffs", "sim_dt": 5e-4})
     assert [ArmConfig(**fields).timestep for fields in steps] == [0.002, 0.001, 5e-4]
 
@@ -59,23 +55,11 @@ def test_what_cannot_be_is_refused_in_one_sentence():
         ({"gravity": "moonn"}, "unknown gravity 'moonn': .* did you mean 'moon'?"),
         ({"side": "lef"}, "unknown side 'lef': .* did you mean 'left'?"),
         ({"payload": {"mass": -1}}, "payload.mass is -1: use a number from 0 to 60 kg"),
-        (
-            {"payload": {"inertia": (1, 1, 1)}},
-            r"payload.inertia is \(1.0, 1.0, 1.0\), but its mass",
-        ),
-        (
-            {"payload": {"mass": 1, "inertia": (1, 1, 3)}},
-            "payload.inertia is .*none of them greater",
-        ),
-        (
-            {"payload": {"mass": 1, "inertia": (1, 1)}},
-            r"payload.inertia is \(1, 1\): give 3 finite",
-        ),
+        ({"payload": {"inertia": (1, 1, 1)}}, r"inertia is \(1.0, 1.0, 1.0\), but its mass"),
+        ({"payload": {"mass": 1, "inertia": (1, 1, 3)}}, "inertia is .*none of them greater"),
+        ({"payload": {"mass": 1, "inertia": (1, 1)}}, r"inertia is \(1, 1\): give 3 finite"),
         ({"misalignment": (0.01, 0, 0)}, "misalignment is .*, but coupling is 'rigid'"),
-        (
-            {"misalignment": (0, 0.06, 0), "coupling": "cuffs"},
-            "misalignment is 0.06: use a number from -0.05 to 0.05 m",
-        ),
+        ({"misalignment": (0, 0.06, 0), "coupling": "cuffs"}, "0.06: use a number from -0.05 to"),
         ({"pressure": -1}, "pressure is -1: use a number from 0 to 110 kPa"),
         ({"pressure": 30, "suit": "none"}, "pressure is 30 kPa, but suit is 'none'"),
         ({"coupling": "none", "exo": {"cuff": 0.2}}, "exo is given, but coupling is 'none'"),
@@ -84,21 +68,15 @@ def test_what_cannot_be_is_refused_in_one_sentence():
         ({"wearer": {"statur": 1.7}}, "unknown field of wearer 'statur': .* mean 'stature'?"),
         ({"wearer": 1.7}, r"wearer is 1.7: give Person\(...\) or a dict of its fields"),
         ({"exo": {"elbow": {"peak": 3}}}, "unknown field of exo.elbow 'peak': "),
-        (
-            {"exo": {"elbow": {"peak_torque": 5}}},
-            "a motor's continuous_torque is 10.0: use at most",
-        ),
+        ({"exo": {"elbow": {"peak_torque": 5}}}, "motor's continuous_torque is 10.0: use at most"),
         ({"exo": {"elbow": {"viscous": 6}}}, "a motor's viscous friction is 6: .* less than 5"),
         ({"exo": {"encoder_bits": 64}}, "exo.encoder_bits is 64: use 4 to 32"),
         ({"exo": {"ring": "0.4"}}, "exo.ring is '0.4': use a number"),
         ({"preconditioned": 1}, "preconditioned is 1: use True or False"),
     ]
     assert_refused(lambda fields: ArmConfig(**fields), rows)
-
-
-def test_an_unknown_field_gets_a_hint():
-    with pytest.raises(InputError, match=r"unknown field of config 'sides': .*mean 'side'"):
-        ArmConfig.from_dict({"sides": "left"})
+    row = ({"sides": "left"}, r"unknown field of config 'sides': .*mean 'side'")
+    assert_refused(ArmConfig.from_dict, [row])
 
 
 def test_a_payload_without_moments_is_a_ball_of_aluminum():
@@ -120,18 +98,9 @@ def test_a_suit_as_an_object():
         torque = joints["elbow_flexion"].model.response(angles)
         assert torque.any()
     assert compose(given).nplugin == compose(named).nplugin
-    with pytest.raises(InputError, match="give it by the name of its joint") as error:
-        ArmConfig(suit=suit.joints["elbow_flexion"])
-    assert len(str(error.value)) <= 300
-
-
-def test_a_suit_as_an_object_in_an_environment():
-    suit = load_suit("mock-suit")
-    envs = [
-        gymnasium.make("ActiveSuit/ElbowFlexion-v0", suit=one).unwrapped
-        for one in ("mock-suit", suit)
-    ]
-    steps = []
+    row = (suit.joints["elbow_flexion"], "^.{,200}give it by the name of its joint.{,100}$")
+    assert_refused(lambda joint: ArmConfig(suit=joint), [row])
+    envs, steps = [ArmEnv("ElbowFlexion", suit=one) for one in ("mock-suit", suit)], []
     for env in envs:
         env.reset(seed=3)
         steps.append(env.step(np.array([0.2, -0.1]))[0])

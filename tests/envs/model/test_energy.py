@@ -13,16 +13,10 @@ import pytest
 from activesuit.assets import JOINTS, suit_names
 from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm
 from activesuit.envs.model.config import COUPLINGS, SIDES
-from activesuit.envs.person import Person, segments
+from activesuit.envs.person import segments
+from arms import PEOPLE
 from mujoco.rollout import rollout
 
-PEOPLE = [
-    Person(),
-    Person.percentile("female", 5),
-    Person.percentile("male", 95),
-    Person(stature=1.4, mass=40.0, sex="female", strength=1.0),
-    Person(stature=2.1, mass=140.0, strength=99.0),
-]
 KICK = np.array([1.0, 2.0, -2.0, 3.0])  # rad/s
 LONG, SHORT = 60.0, 10.0  # s: until nothing moves, and until 90 % of the loss of 60 s is lost
 ROUNDING = 1e-8  # J, error of energies around 100 J and of losses over 60,000 steps

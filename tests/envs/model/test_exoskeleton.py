@@ -11,8 +11,6 @@ from activesuit.envs.model import (
     Exo,
     arm_spec,
     compose,
-    quantize,
-    start_encoders,
     thermal_step,
 )
 
@@ -94,36 +92,6 @@ def test_masses_are_the_configured_ones():
     masses = {name: model.body(f"exo_{name}").mass[0] for name in ("upper_arm", "forearm", "hand")}
     assert masses == pytest.approx({"upper_arm": 2.2, "forearm": 1.0, "hand": 0.5})
     assert model.body("exo_shoulder_support").mass[0] == pytest.approx(1.1)
-
-
-def test_encoders_report_delayed_values():
-    delay = 0.01
-    model = compose(ArmConfig(exo=Exo(encoder_delay=delay)))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    start_encoders(model, data)
-    mujoco.mj_forward(model, data)
-    angle = data.joint("elbow_flexion").qpos[0]
-    assert data.sensor("encoder_elbow_flexion").data[0] == angle
-    angles, rates, reported = [], [], []
-    for _ in range(30):
-        angles.append(data.joint("elbow_flexion").qpos[0])
-        rates.append(data.joint("elbow_flexion").qvel[0])
-        mujoco.mj_step(model, data)
-        reported.append([data.sensor(f"encoder_{of}elbow_flexion").data[0] for of in ("", "rate_")])
-    steps = round(delay / model.opt.timestep)
-    # A step ends with the sensors of its beginning.
-    np.testing.assert_array_equal(np.array(reported)[steps:, 0], angles[:-steps])
-    np.testing.assert_array_equal(np.array(reported)[steps:, 1], rates[:-steps])
-
-
-def test_quantized_angles_are_whole_counts_within_half_a_count():
-    angle = np.random.default_rng(0).uniform(-3, 3, (50, 4))
-    for bits in (10, 14):
-        count = 2 * np.pi / 2**bits
-        rounded = quantize(angle, bits)
-        np.testing.assert_allclose(rounded / count, np.round(rounded / count), atol=1e-9)
-        assert np.abs(rounded - angle).max() <= count / 2 * (1 + 1e-9)
 
 
 def test_heat_is_the_running_mean_square():

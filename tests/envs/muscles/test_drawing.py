@@ -1,5 +1,6 @@
 """Muscles beside an arm that moves: their places, colors and activation, and bad input."""
 
+from contextlib import nullcontext
 from itertools import pairwise
 
 import mujoco
@@ -11,7 +12,7 @@ from activesuit.envs.making import make_arms, make_env
 from activesuit.envs.muscles import MyoArm, muscle_activation
 from activesuit.envs.muscles.drawing import BESIDE, LiveMuscles, color_of, width_of
 from activesuit.envs.policies import make_policy
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 BONES = 3
@@ -44,34 +45,25 @@ def test_the_bones_stand_beside_the_arm_in_its_posture(side, stature):
     assert all((one.end == other.begin).all() for one, other in pairwise(bones))
 
 
-def test_each_muscle_has_its_color_and_width(monkeypatch):
-    _, live = moved()
-    known = np.linspace(0, 1, 32)
-    monkeypatch.setattr(live, "activation", lambda: known)
-    muscles = live()[BONES:]
-    colors = np.array([one.color for one in muscles])
-    assert {tuple(color) for color in colors} == {tuple(color) for color in color_of(known)}
-    for active in known:
-        mine = [one for one in muscles if (one.color == color_of(active)).all()]
-        assert {one.radius for one in mine} == {float(width_of(active))}
-        assert all((one.end == other.begin).all() for one, other in pairwise(mine))  # a path
-    assert color_of(0.0)[1] > 0.8 and color_of(1.0)[1] < 0.2  # pale, dark red
-    data = live._data
-    assert len(muscles) == data.ten_wrapnum.sum() - len(known)
-
-
-def test_paths_are_as_long_as_the_muscles(monkeypatch):
-    """But for the scale, and for where a tendon lies on a bone and is drawn as a chord."""
+def test_each_muscle_has_its_color_width_and_length(monkeypatch):
+    """Length, but for the scale, and for where a tendon lies on a bone and is drawn as a chord."""
     _, live = moved()
     known = np.linspace(0, 1, 32)
     monkeypatch.setattr(live, "activation", lambda: known)
     muscles = live()[BONES:]
     scale = np.linalg.norm(live()[0].end - live()[0].begin) / live._upper_arm
+    colors = np.array([one.color for one in muscles])
+    assert {tuple(color) for color in colors} == {tuple(color) for color in color_of(known)}
     for name, active in zip(MyoArm.load().muscles, known, strict=True):
         mine = [one for one in muscles if (one.color == color_of(active)).all()]
         drawn = sum(np.linalg.norm(one.end - one.begin) for one in mine) / scale
         tendon = live._arm.model.actuator(name).trnid[0]
         assert drawn == pytest.approx(live._data.ten_length[tendon], rel=0.05), name
+        assert {one.radius for one in mine} == {float(width_of(active))}
+        assert all((one.end == other.begin).all() for one, other in pairwise(mine))  # a path
+    assert color_of(0.0)[1] > 0.8 and color_of(1.0)[1] < 0.2  # pale, dark red
+    data = live._data
+    assert len(muscles) == data.ten_wrapnum.sum() - len(known)
 
 
 def test_the_activation_is_that_of_the_whole_motion():
@@ -93,56 +85,33 @@ def test_a_new_motion_begins_without_muscles():
     assert live.activation() is live.activation()  # while the arm is paused
     env.reset(seed=1)
     assert live() == []
+    assert_refused(lambda: moved(fatigue=True), [("a wearer who does not tire",)])
 
 
-def test_a_wearer_who_tires_is_refused():
-    with pytest.raises(InputError, match="a wearer who does not tire"):
-        moved(fatigue=True)
-
-
-class Window:
+class Window(nullcontext):
     """What `launch_passive` returns, without a display."""
 
     def __init__(self, model, data):
+        super().__init__()
         self.user_scn, self.cam = mujoco.MjvScene(model, 1000), mujoco.MjvCamera()
+        self.lock, self.is_running, self.close = lambda: self, lambda: True, lambda: None
         self.shown = []
-
-    def lock(self):
-        return self
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *error):
-        pass
-
-    def is_running(self):
-        return True
 
     def sync(self):
         scene = self.user_scn
         self.shown.append([(*g.size[:1], *g.rgba) for g in scene.geoms[: scene.ngeom]])
 
-    def close(self):
-        pass
-
 
 def test_a_window_shows_them(monkeypatch):
-    windows = []
-
-    def launch(model, data):
-        windows.append(Window(model, data))
-        return windows[-1]
-
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(mujoco.viewer, "launch_passive", launch)
+    monkeypatch.setattr(mujoco.viewer, "launch_passive", Window)
     _, env = make_env(TASK, render_mode="human", control_dt=0.01)
     env.renderer.beside = LiveMuscles(env.episodes.simulation)
     env.reset(seed=0)
     for _ in range(3):
         env.step(np.zeros(2))
-    (window,) = windows
-    assert [len(shown) > 0 for shown in window.shown] == [False, False, False, True]
+    shown = env.renderer.renderer._window.shown
+    assert [len(one) > 0 for one in shown] == [False, False, False, True]
     expected = [(one.radius, *one.color) for one in env.renderer.beside()]
-    np.testing.assert_allclose(window.shown[-1], expected, atol=1e-6)
+    np.testing.assert_allclose(shown[-1], expected, atol=1e-6)
     env.close()

@@ -45,12 +45,8 @@ def test_scipy_finds_nothing_better(name, least):
     assert missed.max() < 1e-6
     for i in range(4):
         lever = np.hstack([LEVERS[i], np.eye(AXES)])
-
-        def objective(z):
-            return value(cost, z[:MUSCLES], z[MUSCLES:])
-
         found = minimize(
-            objective,
+            lambda z: value(cost, z[:MUSCLES], z[MUSCLES:]),
             np.full(MUSCLES + AXES, 0.2),
             method="SLSQP",
             bounds=[(least, 1)] * MUSCLES + [(None, None)] * AXES,

@@ -13,7 +13,6 @@ from activesuit.envs.person.strength import DIRECTIONS, PROVENANCE
 
 VALUE = {quantity.name: quantity.value for quantity in PROVENANCE}
 GROUPS = [(i, j) for i in range(2) for j in range(4)]  # directions and joints
-STILL = np.zeros(4)
 RANGES = np.array([range_of_motion(joint) for joint in JOINTS])
 
 
@@ -29,22 +28,22 @@ def torque_of(direction, joint, angle, speed=0.0, person=None):
     return abs(limits[direction][joint])
 
 
-def wearers(n, seed=0):
+def strengths(n, seed=0):
+    """Of any wearers that there may be."""
     rng = np.random.default_rng(seed)
-    return [
-        Person(
-            stature=rng.uniform(1.4, 2.1),
-            mass=rng.uniform(40, 140),
-            sex=rng.choice(["male", "female"]),
-            strength=rng.uniform(1, 99),
-        )
-        for _ in range(n)
-    ]
+    sizes = rng.uniform([1.4, 40, 1], [2.1, 140, 99], (n, 3))
+    named = (dict(zip(("stature", "mass", "strength"), row, strict=True)) for row in sizes)
+    people = (Person(sex=rng.choice(["male", "female"]), **size) for size in named)
+    return np.stack([isometric_strength(person) for person in people])
 
 
-def test_the_reference_man_has_the_tabled_peaks():
+def test_the_reference_man_and_an_average_woman():
     expected = [[70, 85, 52, 10], [55, 99.2, 70, 18]]
     np.testing.assert_array_equal(isometric_strength(Person()), expected)
+    woman, man = Person.percentile("female", 50), Person.percentile("male", 50)
+    np.testing.assert_allclose(isometric_strength(woman) / isometric_strength(man), 0.55)
+    alike = Person(sex="female", stature=1.78, mass=80)
+    assert (isometric_strength(alike) < isometric_strength(Person())).all()
 
 
 def test_tabled_points_are_met():
@@ -53,17 +52,9 @@ def test_tabled_points_are_met():
             tabled(direction, joint, column)
             for column in ("peak", "fastest", "best_angle", "width", "eccentric", "half_speed")
         )
-        torque = [
-            torque_of(direction, joint, angle, speed)
-            for angle, speed in [
-                (best, 0),
-                (best + width, 0),
-                (best - width, 0),
-                (best, fastest / 2),
-                (best, fastest),
-                (best, -fastest),
-            ]
-        ]
+        points = [(best + way * width, 0) for way in (0, 1, -1)]
+        points += [(best, share * fastest) for share in (0.5, 1, -1)]
+        torque = [torque_of(direction, joint, angle, speed) for angle, speed in points]
         drop = np.exp(-0.5)
         expected = [peak, drop * peak, drop * peak, half_speed * peak, 0, eccentric * peak]
         np.testing.assert_allclose(torque, expected, rtol=1e-12, atol=1e-12)
@@ -106,8 +97,7 @@ def test_torque_falls_smoothly_with_the_speed_of_shortening():
         torque = np.abs(limits) / torque_of(direction, joint, 0)
         slope = np.diff(torque) / np.diff(speed / fastest)
         moving = np.abs(speed[:-1]) < 0.999 * fastest
-        assert (slope[moving] < 0).all()
-        assert (slope[~moving] <= 0).all()
+        assert (slope[moving] < 0).all() and (slope[~moving] <= 0).all()
         assert torque.max() <= tabled(direction, joint, "eccentric") * (1 + 1e-12)
         assert torque.min() == 0
         here = speed.size // 2  # the two hyperbolas join there
@@ -115,22 +105,13 @@ def test_torque_falls_smoothly_with_the_speed_of_shortening():
 
 
 def test_limits_keep_their_signs_and_bounds_everywhere():
-    rng = np.random.default_rng(0)
-    strength = np.stack([isometric_strength(person) for person in wearers(500)])
+    rng, strength = np.random.default_rng(0), strengths(500)
     angle, rate = rng.uniform(-4, 4, (500, 4)), rng.uniform(-60, 60, (500, 4))
     low, high = strength_limits(strength, angle, rate)
-    assert (low <= 0).all()
-    assert (high >= 0).all()
+    assert (low <= 0).all() and (high >= 0).all()
     greatest = strength * [[[tabled(i, j, "eccentric") for j in range(4)] for i in range(2)]]
     assert (-low <= greatest[:, 0] * (1 + 1e-12)).all()
     assert (high <= greatest[:, 1] * (1 + 1e-12)).all()
-
-
-def test_an_average_woman_has_055_of_an_average_man():
-    woman, man = Person.percentile("female", 50), Person.percentile("male", 50)
-    np.testing.assert_allclose(isometric_strength(woman) / isometric_strength(man), 0.55)
-    alike = Person(sex="female", stature=1.78, mass=80)
-    assert (isometric_strength(alike) < isometric_strength(Person())).all()
 
 
 def test_strength_grows_with_mass_and_percentile():
@@ -147,8 +128,7 @@ def test_strength_grows_with_mass_and_percentile():
 
 
 def test_many_wearers_at_once_are_those_one_by_one_bit_for_bit():
-    rng = np.random.default_rng(1)
-    strength = np.stack([isometric_strength(person) for person in wearers(37)])
+    rng, strength = np.random.default_rng(1), strengths(37)
     angle, rate = rng.uniform(-3, 3, (37, 4)), rng.uniform(-20, 20, (37, 4))
     low, high = strength_limits(strength, angle, rate)
     passive = passive_torque(strength, angle, rate)
@@ -166,7 +146,7 @@ def test_passive_torque_pulls_back_from_the_end_of_the_range():
         begin, full = (tabled(direction, joint, c) for c in ("passive_from", "passive_peak"))
         angles = np.zeros((3, 4))
         angles[:, joint] = begin, (begin + full) / 2, full
-        torque = passive_torque(strength, angles, STILL)[:, joint]
+        torque = passive_torque(strength, angles, np.zeros(4))[:, joint]
         spring = 1.1 * (1.274 - angles[:, joint]) * (joint == 2)
         pull = (torque - spring) * (-1, 1)[direction]
         peak = tabled(direction, joint, "peak")
@@ -187,6 +167,6 @@ def test_passive_torque_never_feeds_energy_into_a_cycle():
 def test_a_relaxed_arm_meets_no_end_stop_inside_its_working_range():
     strength = isometric_strength(Person())
     for angle in np.linspace(-0.5, 2.0, 11):
-        torque = passive_torque(strength, [angle, angle, max(angle, 0.0), angle / 3], STILL)
+        torque = passive_torque(strength, [angle, angle, max(angle, 0.0), angle / 3], np.zeros(4))
         assert torque[[0, 1, 3]].tolist() == [0, 0, 0]
         assert abs(torque[2]) <= 1.1 * 1.274

@@ -47,8 +47,7 @@ def test_no_data_leave_the_certified_set():
         policy.learn(terms, measured * rng.standard_cauchy((3, 2)) * 100, rng.random((3, 2)) < 0.9)
         assert np.isfinite(policy.estimate).all()
         scale = policy.estimate[..., 0]
-        assert scale.min() >= SCALES[0]
-        assert scale.max() <= SCALES[1]
+        assert scale.min() >= SCALES[0] and scale.max() <= SCALES[1]
         if i % 500 == 0:
             model = entry.model.scaled(torque=float(scale[0, 1]))
             assert model.certificate(entry.range).certified

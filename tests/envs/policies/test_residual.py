@@ -27,12 +27,9 @@ class Constant:
         return np.broadcast_to(self.action, (*observation.shape[:-1], 2))
 
 
-def test_a_correction_is_scaled_and_clipped():
-    given = np.array([[0.5, -0.9]])
-    np.testing.assert_allclose(corrected(given, np.array([[1.0, -3.0]]), 0.3), [[0.8, -1.0]])
-
-
 def test_the_correction_observes_what_it_corrects():
+    given = np.array([[0.5, -0.9]])  # a correction is scaled, and the sum clipped
+    np.testing.assert_allclose(corrected(given, np.array([[1.0, -3.0]]), 0.3), [[0.8, -1.0]])
     base, correction = Constant([0.2, 0.4]), Constant([1.0, 0.0])
     policy = ResidualPolicy(base, correction, 0.5)
     policy.reset()
@@ -81,16 +78,13 @@ def test_a_suit_file_is_part_of_the_plain_data(tmp_path):
     make_policy(base_of(again), arms)
 
 
-def test_policies_that_no_network_can_correct():
+def test_policies_that_no_network_can_correct_and_cards_with_code_or_files():
     rows = [
         ("compensator", "unknown policy 'compensator'"),
         ("activesuit.envs.policies:NoAssist", "unknown policy that a network corrects"),
         ("compensation:gain=2", "unknown option of policy 'compensation'"),
     ]
     assert_refused(lambda given: residual_of(given, 0.3), rows)
-
-
-def test_a_card_names_neither_code_nor_files():
     rows = [
         ({"name": "os:system"}, "unknown policy that a network corrects 'os:system'"),
         ({"name": "compensation", "suit": "/tmp/x.json"}, "a card names shipped suits"),

@@ -8,7 +8,6 @@ import pytest
 from activesuit.assets import load_suit, suit_names
 from activesuit.envs.rig import RigConfig, run_rig
 from activesuit.envs.rig.config import NOISE
-from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Preisach
 from activesuit.identification import (
     Curve,
@@ -32,14 +31,9 @@ SHIPPED = [
 ]
 
 
-def escaped(rows):
-    return [(options, re.escape(sentence)) for options, sentence in rows]
-
-
 def exact(model, **options):
-    return run_rig(
-        RigConfig(suit=model, start_angle=START, **{"turns": TURNS, "noise": 0, **options})
-    )
+    options = {"turns": TURNS, "noise": 0, **options}
+    return run_rig(RigConfig(suit=model, start_angle=START, **options))
 
 
 def errors(model, record):
@@ -69,6 +63,8 @@ def test_a_perfect_rig_reads_the_resistance(elbow):
         assert record.angle.max() == pytest.approx(turn, abs=0.002)  # the torque sensor twists
         assert record.torque[0] == pytest.approx(0, abs=EXACT)
         assert np.allclose(np.diff(record.time), 1 / 25)
+    alone = exact(elbow, turns=TURNS[1:])[0]  # every curve begins with a fresh memory
+    np.testing.assert_array_equal(record.torque, alone.torque)
 
 
 def test_the_paper_measures_the_shipped_joints():
@@ -78,19 +74,13 @@ def test_the_paper_measures_the_shipped_joints():
     assert RigConfig(joint="wrist_flexion").turns == (0.14, 0.28, 0.42, 0.56, 0.7)
 
 
-def test_every_curve_begins_with_a_fresh_memory(elbow):
-    alone = exact(elbow, turns=TURNS[1:])[0]
-    np.testing.assert_array_equal(exact(elbow)[1].torque, alone.torque)
-
-
 def test_repeats_show_accommodation(elbow):
     once, thrice = (exact(elbow, repeats=n, turns=(1.57,))[0] for n in (1, 3))
     n = once.angle.size - 20  # before they part
     np.testing.assert_allclose(thrice.torque[:n], once.torque[:n], atol=EXACT)
     assert np.abs(errors(elbow, thrice)).max() < EXACT
     peaks = [part.max() for part in np.array_split(thrice.torque, 3)]
-    assert peaks[0] > peaks[1] + 0.02
-    assert peaks[1] > peaks[2]
+    assert peaks[0] > peaks[1] + 0.02 and peaks[1] > peaks[2]
 
 
 def test_inertia_and_friction_of_the_rig_are_compensated(elbow):
@@ -100,9 +90,8 @@ def test_inertia_and_friction_of_the_rig_are_compensated(elbow):
     turned = np.abs(rough.time - rough.time[rough.angle.argmax()]) < 0.3
     moving = ~turned & (rough.time > 0.3) & (rough.time < rough.time[-1] - 0.3)
     assert np.abs(errors(elbow, rough))[moving].max() < 0.02
-    assert (
-        np.abs(errors(elbow, rough)).max() < 0.4 + EXACT
-    )  # a bearing that sticks holds either way
+    # A bearing that sticks holds either way.
+    assert np.abs(errors(elbow, rough)).max() < 0.4 + EXACT
 
 
 def test_noise_has_its_size_and_its_seed(elbow):
@@ -114,14 +103,10 @@ def test_noise_has_its_size_and_its_seed(elbow):
     np.testing.assert_array_equal(noisy[1].angle, other[1].angle)
 
 
-def test_drift_starts_anew_with_each_curve(elbow):
+def test_drift_starts_anew_with_each_curve_and_readings_have_their_resolutions(elbow):
     for record in exact(elbow, drift=0.01):
         np.testing.assert_allclose(errors(elbow, record), 0.01 * record.time, atol=EXACT)
-
-
-def test_resolutions(elbow):
-    record = exact(elbow, angle_resolution=0.01)[1]
-    steps = record.angle / 0.01
+    steps = exact(elbow, angle_resolution=0.01)[1].angle / 0.01
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
     coarse = np.abs(errors(elbow, exact(elbow, torque_resolution=1.0)[1]))
     assert 0.4 < coarse.max() < 0.5 + 0.02
@@ -133,8 +118,7 @@ def test_any_motion_of_any_model(elbow):
     (record,) = run_rig(config, {"random": motion})
     assert record.name == "random"
     assert np.abs(errors(elbow, record)).max() < EXACT
-    turns = np.count_nonzero(np.diff(np.sign(np.diff(record.angle[::5]))))
-    assert turns == 6
+    assert np.count_nonzero(np.diff(np.sign(np.diff(record.angle[::5])))) == 6
 
 
 def pairs(*points, rates):
@@ -158,8 +142,17 @@ def test_a_motion_keeps_its_reversals_and_rates(elbow):
     assert RigConfig(suit=elbow, motion=config.motion) == replace(config, noise=NOISE)
 
 
-def test_a_motion_that_the_rig_cannot_follow_is_refused():
+def test_bad_input_is_refused_with_a_sentence():
     rows = [
+        ({"turns": (0.87, 1.7)}, "turn is 1.7 rad: give an angle in the range of elbow_flexion"),
+        ({"turns": (0.87, float("nan"))}, "turns[1] is nan: give finite numbers"),
+        ({"turns": (0.87, 0.872)}, "differ from the start and each other by 0.01 rad"),
+        ({"turns": 1.2}, "turns is 1.2: give at least one number"),
+        ({"rate": 0.0}, "rate is 0 rad/s: give 0.01 to 0.5"),
+        ({"sample_rate": 0.0}, "sample_rate is 0 Hz: give 1 to 1000"),
+        ({"noise": -0.1}, "noise is -0.1 N·m: give 0 or more"),
+        ({"repeats": 0}, "repeats is 0"),
+        ({"joint": "knee"}, "unknown joint of suit 'mock-suit' 'knee': use one of elbow_flexion"),
         ({"motion": pairs(START, 1.7, rates=0.1)}, "an angle of motion is 1.7 rad: give an angle"),
         ({"motion": pairs(START, 1.2, rates=0.9)}, "0.68 rad in 0.756 s from 0 s on, at 0.9 rad/s"),
         ({"motion": ((0, START), (0, 1.2))}, "motion[1] is at 0 s, after one at 0 s: give times"),
@@ -170,7 +163,26 @@ def test_a_motion_that_the_rig_cannot_follow_is_refused():
         ({"motion": MOTION, "repeats": 2}, "repeats is 2 beside a motion"),
         ({"motion": MOTION, "start_angle": 0.6}, "start_angle is 0.6 rad, and the motion begins"),
     ]
-    assert_refused(lambda options: RigConfig(**options), escaped(rows))
+    rows = [(options, re.escape(sentence)) for options, sentence in rows]
+    assert_refused(lambda options: RigConfig(**options), rows)
+
+
+def test_what_the_rig_cannot_measure_is_refused(elbow, shoulder):
+    usual = {"suit": elbow, "start_angle": START}
+    hours = {**usual, "turns": TURNS, "rate": 0.01, "repeats": 100}
+    steel = BoucWen(elastic=200.0, hysteretic=1.0, beta=20.0, gamma=8.0, n=1.5)
+    stops, infinite = {"suit": steel, "turns": (0.3, 1.0)}, {"suit": shoulder, "turns": (1.57,)}
+    rows = [
+        (usual, {}, "there is no motion"),
+        (usual, {"a": [0.6, 1.0]}, "motion 'a' begins at 0.6 rad"),
+        (usual, {"a": [START, START]}, "motion 'a' stays at 0.52 rad"),
+        (usual, {"a": [START, 7.0, START]}, "motion 'a' is 7 rad"),
+        (usual, {"a": [START, np.nan]}, "motion 'a'.* is nan"),
+        (hours, None, r"curve '1.22' takes 14.* s: stay within 3600 s"),
+        (stops, None, r"more than the 100 N·m of the motor on curve '1.00'"),
+        (infinite, None, r"becomes infinite on curve '1.57'"),
+    ]
+    assert_refused(lambda options, motions: run_rig(RigConfig(**options), motions), rows)
 
 
 @pytest.mark.parametrize(("suit", "joint"), SHIPPED)
@@ -196,48 +208,6 @@ def test_a_truth_of_many_weights_is_predicted():
     fit = select(curves).fit
     assert fit.model_name == "preisach"
     assert prediction_error(fit, curves) <= 1.2 * config.noise
-
-
-def test_bad_input_is_refused_with_a_sentence():
-    rows = [
-        ({"turns": (0.87, 1.7)}, "turn is 1.7 rad: give an angle in the range of elbow_flexion"),
-        ({"turns": (0.87, float("nan"))}, "turns[1] is nan: give finite numbers"),
-        ({"turns": (0.87, 0.872)}, "differ from the start and each other by 0.01 rad"),
-        ({"turns": 1.2}, "turns is 1.2: give at least one number"),
-        ({"rate": 0.0}, "rate is 0 rad/s: give 0.01 to 0.5"),
-        ({"sample_rate": 0.0}, "sample_rate is 0 Hz: give 1 to 1000"),
-        ({"noise": -0.1}, "noise is -0.1 N·m: give 0 or more"),
-        ({"repeats": 0}, "repeats is 0"),
-        ({"joint": "knee"}, "unknown joint of suit 'mock-suit' 'knee': use one of elbow_flexion"),
-    ]
-    assert_refused(lambda options: RigConfig(**options), escaped(rows))
-
-
-def test_bad_motions_are_refused_with_a_sentence(elbow):
-    rows = [
-        (None, "there is no motion"),
-        ({"a": [0.6, 1.0]}, "motion 'a' begins at 0.6 rad"),
-        ({"a": [START, START]}, "motion 'a' stays at 0.52 rad"),
-        ({"a": [START, 7.0, START]}, "motion 'a' is 7 rad"),
-        ({"a": [START, np.nan]}, "motion 'a'.* is nan"),
-    ]
-    assert_refused(lambda motions: run_rig(RigConfig(suit=elbow, start_angle=START), motions), rows)
-
-
-def test_a_curve_that_takes_hours_is_refused(elbow):
-    with pytest.raises(InputError, match=r"curve '1.22' takes 14.* s: stay within 3600 s"):
-        exact(elbow, rate=0.01, repeats=100)
-
-
-def test_a_suit_that_stops_the_motor_is_refused():
-    steel = BoucWen(elastic=200.0, hysteretic=1.0, beta=20.0, gamma=8.0, n=1.5)
-    with pytest.raises(InputError, match=r"more than the 100 N·m of the motor on curve '1.00'"):
-        run_rig(RigConfig(suit=steel, turns=(0.3, 1.0)))
-
-
-def test_a_suit_whose_torque_becomes_infinite_is_refused(shoulder):
-    with pytest.raises(InputError, match=r"becomes infinite on curve '1.57'"):
-        run_rig(RigConfig(suit=shoulder, turns=(1.57,)))
 
 
 def test_a_joint_as_an_object():

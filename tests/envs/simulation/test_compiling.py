@@ -1,60 +1,62 @@
-"""The second process that compiles the control cycle, and when it is begun."""
+"""Kernels of the control cycle: one compilation serves all arms, begun in a second process."""
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
+import activesuit
 import pytest
 from activesuit.envs.simulation import compiling
 from activesuit.hysteresis import first_use
 
+ROOT = Path(activesuit.__file__).parent.parent
+PROGRAM = """
+import activesuit
+from activesuit.envs.making import make_arms
+from activesuit.envs.reward import judge
+from activesuit.envs.simulation.cycle import after, before
 
-@pytest.fixture
-def begun(monkeypatch, tmp_path):
-    """Returns the processes that are begun, on a machine with two cores and an empty cache."""
-    found = []
+for suit in ("mock-suit", "none"):
+    for coupling in ("rigid", "none", "cuffs"):
+        for rows in (1, 3):
+            make_arms("ActiveSuit/ArmTracking-v0", rows, suit=suit, coupling=coupling)
+print(*(len(kernel.overloads) for kernel in (before, after, judge)))
+"""
 
-    class Popen:
-        def __init__(self, command, **options):
-            self.command, self.options, self.waited = command, options, False
-            found.append(self)
 
-        def wait(self):
-            self.waited = True
+@pytest.mark.slow
+def test_arms_without_a_suit_or_an_exoskeleton_need_no_kernels_of_their_own():
+    environment = {**os.environ, compiling.ALONE: "1", "PYTHONPATH": str(ROOT)}
+    program = [sys.executable, "-c", PROGRAM]
+    found = subprocess.run(program, env=environment, capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["1", "1", "1"]
 
-    monkeypatch.setattr(compiling.subprocess, "Popen", Popen)
+
+def test_one_process_is_begun_where_the_cache_is_old_and_awaited(monkeypatch, tmp_path):
+    begun, waited = [], []
+
+    def process(command, env, **options):
+        begun.append(env)
+        return SimpleNamespace(wait=lambda: waited.append(env))
+
+    monkeypatch.setattr(compiling.subprocess, "Popen", process)
     monkeypatch.setattr(compiling, "_begun", [])
     monkeypatch.setattr(compiling, "_cores", lambda: 2)
     monkeypatch.setattr(first_use.listener, "expected", first_use.WHOLE)
     monkeypatch.delenv(compiling.ALONE, raising=False)
-    return found
-
-
-def kernel(folder, compiled=True):
-    """Returns a kernel, and writes its source and the index of its cache."""
-    source = folder / "cycle.py"
-    source.write_text("")
-    if compiled:
-        (folder / "cycle.before-68.py311.nbi").write_text("")
-    code = SimpleNamespace(co_filename=str(source))
-    function = SimpleNamespace(__name__="before", __code__=code)
-    return SimpleNamespace(py_func=function, stats=SimpleNamespace(cache_path=str(folder)))
-
-
-def test_one_process_is_begun_and_awaited(begun, tmp_path):
-    for _ in range(2):
-        compiling.begin(kernel(tmp_path, compiled=False))
-    assert len(begun) == 1
-    assert begun[0].options["env"][compiling.ALONE] == "1"  # it begins no other
-    assert first_use.listener.expected == first_use.BESIDE
-    assert not begun[0].waited
-    compiling.wait()
-    assert begun[0].waited
-
-
-def test_a_cached_kernel_needs_none_until_its_source_changes(begun, tmp_path):
-    own = kernel(tmp_path)
-    compiling.begin(own)
+    source = tmp_path / "cycle.py"
+    function = SimpleNamespace(__name__="before", __code__=SimpleNamespace(co_filename=str(source)))
+    kernel = SimpleNamespace(py_func=function, stats=SimpleNamespace(cache_path=str(tmp_path)))
+    for name in ("cycle.py", "cycle.before-68.py311.nbi"):  # a source, and its cache
+        (tmp_path / name).write_text("")
+    compiling.begin(kernel)
     assert not begun
-    os.utime(tmp_path / "cycle.py", (2e9, 2e9))
-    compiling.begin(own)
-    assert len(begun) == 1
+    os.utime(source, (2e9, 2e9))
+    for _ in range(2):
+        compiling.begin(kernel)
+    assert len(begun) == 1 and begun[0][compiling.ALONE] == "1"  # it begins no other
+    assert first_use.listener.expected == first_use.BESIDE and not waited
+    compiling.wait()
+    assert waited

@@ -40,24 +40,26 @@ def test_without_suit_and_exoskeleton_there_is_nothing_between(coupling):
 
 
 def test_interaction_is_what_the_suit_resists_without_weight():
-    interaction, _, reported, _ = series(
-        EXACT, gravity="microgravity", coupling="none", suit="emu-like"
-    )
+    place = {"gravity": "microgravity", "coupling": "none", "suit": "emu-like"}
+    interaction, _, reported, _ = series(EXACT, **place)
     column = JOINTS.index("elbow_flexion")
     resisted, sensed = -reported["suit_torque"][:, column], interaction[:, column]
     # The suit's arm has mass, too: its inertia is between person and suit as well.
     assert np.abs(sensed - resisted).max() < 0.15 * np.abs(resisted).max()
 
 
-def test_interaction_comes_late_and_noisy():
-    exact, *_ = series(EXACT)
+def test_interaction_comes_late_emg_is_slow_and_both_are_noisy():
+    exact, emg, *_ = series(EXACT)
     late, *_ = series({**EXACT, "interaction_delay": 0.03})
     np.testing.assert_array_equal(late[3:], exact[:-3])
-    noisy, *_ = series({**EXACT, "interaction_noise": 0.1})
-    error = (noisy - exact)[np.abs(exact) > 1] / exact[np.abs(exact) > 1]
-    assert error.std() == pytest.approx(0.1, rel=0.15)
+    noisy = series({**EXACT, "interaction_noise": 0.1, "emg_noise": 0.2})
+    for right, wrong, noise in ((exact, noisy[0], 0.1), (emg, noisy[1], 0.2)):
+        error = (wrong - right)[np.abs(right) > 1] / right[np.abs(right) > 1]
+        assert error.std() == pytest.approx(noise, rel=0.15)
     usual, *_ = series({})
     assert np.abs(usual[5:] - exact[:-5]).max() > 0.5
+    slow = series({**EXACT, "emg_cutoff": 2.0})[1]
+    assert np.abs(np.diff(slow, axis=0)).max() < np.abs(np.diff(emg, axis=0)).max()
 
 
 def test_emg_is_the_voluntary_torque_ahead_of_time():
@@ -65,18 +67,7 @@ def test_emg_is_the_voluntary_torque_ahead_of_time():
     _, emg, reported, env = series(EXACT, control=calm)
     kept, chain = state(env), Chain.of(bare_arm(env.config))
     own = arm_torques(chain, kept.angle[0], kept.rate[0], kept.acceleration[0])
-    correction = kept.correction[0]
-    ahead = own[np.arange(1, PERIODS + 1) + 5] + correction
+    ahead = own[np.arange(1, PERIODS + 1) + 5] + kept.correction[0]
     np.testing.assert_allclose(emg, ahead, rtol=1e-5, atol=1e-5)
-    with_feedback, *_ = (series(EXACT)[1],)
-    assert np.abs(with_feedback - emg).max() > 0.5
+    assert np.abs(series(EXACT)[1] - emg).max() > 0.5  # with feedback
     assert reported["time"][0] == pytest.approx(0.01)
-
-
-def test_emg_is_noisy_and_slow():
-    exact = series(EXACT)[1]
-    noisy = series({**EXACT, "emg_noise": 0.2})[1]
-    error = (noisy - exact)[np.abs(exact) > 1] / exact[np.abs(exact) > 1]
-    assert error.std() == pytest.approx(0.2, rel=0.15)
-    slow = series({**EXACT, "emg_cutoff": 2.0})[1]
-    assert np.abs(np.diff(slow, axis=0)).max() < np.abs(np.diff(exact, axis=0)).max()

@@ -3,14 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.model.workplace import add_pushes
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, ObjectRelocation, RandomMoves, Scoop, Task
 from activesuit.envs.tasks.ratchet import Ratchet
 from activesuit.envs.vector_env import ArmVectorEnv
-from activesuit.errors import InputError
 from helpers import assert_refused
 
 SAMPLES = 11
@@ -37,10 +35,7 @@ class Planned(Task):
 class Idle(Planned):
     """One that neither carries nor pushes."""
 
-    carries = False
-
-    def edit(self, spec):
-        pass
+    carries, edit = False, Task.edit
 
 
 def with_plan(kind, plan):
@@ -54,11 +49,7 @@ def test_plans_are_checked():
         (Planned, MOTION, r"the task's plan is \(.*\): return a Plan"),
         (Planned, None, "the task's plan is None: return a Plan"),
         (Planned, Plan(("bent", STILL, STILL)), "the task's motion is 'bent': give numbers"),
-        (
-            Planned,
-            Plan((9 * HELD, STILL, STILL)),
-            "motion takes shoulder_flexion from 7.2 to ",
-        ),
+        (Planned, Plan((9 * HELD, STILL, STILL)), "motion takes shoulder_flexion from 7.2 to "),
         (Planned, Plan((HELD[1:], STILL, STILL)), r"shape \(10, 4\), .*: give .*\(11, 4\) each"),
         (Planned, Plan((HELD * np.nan, STILL, STILL)), "finite numbers"),
         (Idle, Plan(MOTION, mass=np.ones(SAMPLES)), "plan has a mass: set carries = True in its"),
@@ -121,14 +112,14 @@ def test_fields_of_tasks_are_checked():
 def test_payload_and_load_are_refused_together_before_the_episode():
     task = replace(TASKS["OverheadHold"], load=10.0, duration=0.1)
     env = ArmEnv(task, coupling="none", payload={"mass": 55.0})
-    with pytest.raises(InputError, match="payload and the task's load are 65 kg together: stay"):
-        env.reset(seed=0)
+    message = "payload and the task's load are 65 kg together: stay"
+    assert_refused(lambda: env.reset(seed=0), [(message,)])
 
 
 def test_a_state_with_another_load_in_the_plan_is_refused():
     env = ArmEnv(replace(TASKS["OverheadHold"], duration=0.1), coupling="none")
     env.reset(seed=0)
     state = env.get_state()
-    for mass in (-1.0, 1e6):
-        with pytest.raises(InputError, match=r"the state's carried is .* from 0 to 60"):
-            env.set_state({**state, "carried": np.full_like(state["carried"], mass)})
+    others = [{**state, "carried": 0 * state["carried"] + mass} for mass in (-1.0, 1e6)]
+    message = r"the state's carried is .* from 0 to 60"
+    assert_refused(env.set_state, [(other, message) for other in others])

@@ -14,7 +14,6 @@ from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
 from activesuit.envs.tasks.hammer import HANDLE, IMPACT, RAISED, THROUGH
 from arms import addresses, physics, state
 
-SHOULDER = JOINTS.index("shoulder_flexion")
 PICKED, PUT_DOWN, MASS = 100, 600, 3.0  # control periods, kg
 G = 9.81
 POSTURE = np.array([0.0, 0.9, 0.6, 0.0])
@@ -93,10 +92,13 @@ def test_a_wearer_bears_what_he_has_picked_up():
     arm = load[0] - shoulder[0]  # forward
     assert arm > 0.3
     more = torque[PUT_DOWN - 1] - torque[PICKED - 1]
-    assert more[SHOULDER] == pytest.approx(MASS * G * arm, rel=0.01)
+    assert more[JOINTS.index("shoulder_flexion")] == pytest.approx(MASS * G * arm, rel=0.01)
     for _ in range(40):
         env.step(np.zeros(0))
     assert state(env).load[0] == 0
+    loaded = ArmEnv(PICK_UP, payload={"mass": 0.5}, **BARE)
+    loaded.reset(seed=0)
+    assert set(state(loaded).carried[0]) == {0.5, 0.5 + MASS}  # the payload stays in the hand
 
 
 @pytest.mark.parametrize("options", ARMS.values(), ids=ARMS)
@@ -230,9 +232,8 @@ def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
     away = data.geom("hammer_head").xpos - anvil.xpos
     thick = model.geom("anvil").size[2] + model.geom("hammer_head").size[0]
     np.testing.assert_allclose(away @ anvil.xmat.reshape(3, 3), [0, 0, thick - THROUGH], atol=1e-9)
-    assert np.linalg.norm(data.geom("hammer_head").xpos - data.site("hand_grip").xpos) == (
-        pytest.approx(HANDLE)
-    )
+    handle = data.geom("hammer_head").xpos - data.site("hand_grip").xpos
+    assert np.linalg.norm(handle) == pytest.approx(HANDLE)
 
 
 @pytest.mark.parametrize("reference", ["unsuited", "suited"])
@@ -245,3 +246,24 @@ def test_both_references_bear_the_reaction_of_a_tool(reference):
         env.reset(seed=0)
         torque.append([env.step(np.zeros(0))[-1]["human_torque"] for _ in range(150)])
     assert np.abs(np.subtract(*torque)).mean() > 2  # N·m
+
+
+@pytest.mark.parametrize("name", ["Scoop", "Handrail"])
+def test_randomize_load_multiplies_masses_and_pushes(name):
+    task = replace(TASKS[name], duration=1.0)
+    plain, drawn = (ArmEnv(task, coupling="none", randomize={"load": share}) for share in (0, 0.5))
+    factors = []
+    for seed in range(12):
+        loads = []
+        for env in (plain, drawn):
+            env.reset(seed=seed)
+            own = state(env).push if name == "Handrail" else state(env).carried
+            loads.append(own[0].copy())
+            angle = state(env).angle[0].copy()
+        np.testing.assert_array_equal(angle, state(plain).angle[0])  # the motion is the same
+        there = loads[0] != 0
+        ratio = loads[1][there] / loads[0][there]
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+        np.testing.assert_array_equal(loads[1][~there], 0.0)
+        factors.append(ratio[0])
+    assert 0.5 <= min(factors) < 0.8 and 1.2 < max(factors) <= 1.5

@@ -7,7 +7,6 @@ import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.tasks import ARM_TRACKING, RecordedMotion
-from activesuit.errors import InputError
 from helpers import assert_refused
 
 HEADER = ["time", *JOINTS]
@@ -60,37 +59,35 @@ def test_the_arm_follows_it_until_its_end(tmp_path):
     np.testing.assert_allclose(info["target_angle"], SWING[-1, 1:], atol=1e-12)
     longer = replace(task, duration=2.0).motion(np.random.default_rng(0), 201, 0.01)
     np.testing.assert_allclose(longer[0][120:], np.tile(SWING[-1, 1:], (81, 1)), atol=1e-12)
-    assert not longer[1][120:].any()
-    assert not longer[2][120:].any()
+    assert not longer[1][120:].any() and not longer[2][120:].any()
 
 
 def test_the_mark_of_spreadsheets_and_empty_lines_do_no_harm(tmp_path):
     path = tmp_path / "sheet.csv"
-    write(path, SWING)
+    plain = RecordedMotion(name="A", path=write(path, SWING)).motion(None, 50, 0.01)
     path.write_text("\ufeff" + path.read_text().replace("\n", "\r\n\r\n"), encoding="utf-8")
-    plain = RecordedMotion(name="A", path=write(tmp_path / "plain.csv", SWING))
-    sheet = RecordedMotion(name="B", path=str(path))
-    for one, other in zip(plain.motion(None, 50, 0.01), sheet.motion(None, 50, 0.01), strict=True):
-        np.testing.assert_array_equal(one, other)
-
-
-def changed(row, column, value):
-    rows = SWING.astype(object)
-    rows[row, column] = value
-    return rows
-
-
-def in_degrees():
-    rows = SWING.copy()
-    rows[:, 1:] *= 180 / np.pi
-    return rows
+    sheet = RecordedMotion(name="B", path=str(path)).motion(None, 50, 0.01)
+    np.testing.assert_array_equal(plain, sheet)
 
 
 def test_files_that_are_no_motion_are_refused(tmp_path):
+    def changed(row, column, value):
+        rows = SWING.astype(object)
+        rows[row, column] = value
+        return rows
+
+    def recorded(cells, header):
+        path = write(tmp_path / "motion.csv", cells, header)
+        return ArmEnv(RecordedMotion(name="Recorded", path=path), coupling="none")
+
     rows = [
         (np.delete(SWING, range(10, 15), axis=0), HEADER, "a gap from 0.18 to 0.3 s, .*: fill it"),
         (SWING * [20, 1, 1, 1, 1], HEADER, "samples may be 0.2 s apart at most"),
-        (in_degrees(), HEADER, "more than a full turn: if these are degrees, give radians"),
+        (
+            SWING * [1, *[180 / np.pi] * 4],
+            HEADER,
+            "if these are degrees, give radians",
+        ),
         (SWING, ["time", "a", "b", "c", "d"], "has the columns time, a, b, c, d: use time, should"),
         ([], [], "is empty: give a header 'time,"),
         (SWING[:2], HEADER, "has 2 samples: a motion needs at least 3"),
@@ -99,22 +96,12 @@ def test_files_that_are_no_motion_are_refused(tmp_path):
         (changed(7, 2, "nan"), HEADER, "shoulder_flexion is .*: give a finite number"),
         ([*SWING[:9].tolist(), [1, 2]], HEADER, "line 11: 2 cells where the header has 5"),
         (SWING * [1e-4, 1, 1, 1, 1], HEADER, "lasts 9.8e-05 s: use 0.02 to 3600 s"),
-    ]
-    assert_refused(
-        lambda cells, header: RecordedMotion(
-            name="Recorded", path=write(tmp_path / "motion.csv", cells, header)
+        (
+            SWING + np.eye(5)[3] * 2.5,
+            HEADER,
+            r"elbow_flexion from .* to .* rad: stay between",
         ),
-        rows,
-    )
-
-
-def test_files_that_cannot_be_read_are_refused():
-    for path in ("nowhere.csv", ".", None, 3, "a\0b"):
-        with pytest.raises(InputError, match=r"cannot read the motion "):
-            RecordedMotion(name="Recorded", path=path)
-
-
-def test_angles_that_the_arm_does_not_reach_are_refused(tmp_path):
-    path = write(tmp_path / "far.csv", SWING + np.array([0, 0, 0, 2.5, 0]))
-    with pytest.raises(InputError, match=r"takes elbow_flexion from .* to .* rad: stay between"):
-        ArmEnv(RecordedMotion(name="Far", path=path), coupling="none")
+    ]
+    assert_refused(recorded, rows)
+    rows = [(path, "cannot read the motion ") for path in ("nowhere.csv", ".", None, 3, "a\0b")]
+    assert_refused(lambda path: RecordedMotion(name="Recorded", path=path), rows)

@@ -1,4 +1,4 @@
-"""The momentum observer: its residual follows an unknown torque with its bandwidth."""
+"""Controllers that find what acts on the arm: observers of momentum and of disturbances."""
 
 import math
 
@@ -8,7 +8,9 @@ import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.plant import Plant
+from activesuit.envs.policies import make_policy
 from activesuit.envs.policies.momentum_observer import MomentumObserver
+from shown import asked, made
 
 
 @pytest.mark.parametrize("bandwidth", [2.0, 30.0])
@@ -22,7 +24,7 @@ def test_the_residual_of_a_step_is_exponential(bandwidth):
         np.testing.assert_allclose(residual, grown * unknown, rtol=1e-9)
 
 
-def test_it_finds_a_torque_on_a_moving_arm():
+def test_the_momentum_observer_finds_a_torque_on_a_moving_arm():
     # The believed arm swings from rest under gravity, with an unknown constant torque.
     arm, unknown = Plant.of(ArmEnv(suit="none").episodes).believed(), np.array([4.0, -1.5])
     inertia, weight, model = arm.inertia(), arm.whole_weight(), arm.model()
@@ -48,11 +50,34 @@ def test_it_finds_a_torque_on_a_moving_arm():
     assert np.abs(data.qvel).max() > 1  # it has moved fast meanwhile
 
 
-def test_it_needs_no_model_of_the_suit():
-    options = {"episodes": 1, "gravity": "microgravity", "adapted": False, "references": False}
-    options |= {"suit": "emu-like"}
+def test_the_momentum_observer_needs_no_model_of_the_suit():
+    options = {"episodes": 1, "adapted": False, "references": False}
+    options |= {"gravity": "microgravity", "suit": "emu-like"}
     policies = ("none", "observer", "compensation:suit=mock-suit")
     scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores
     off, observer, compensation = (scores[name].torque["elbow_flexion"][0] for name in policies)
-    assert observer < 0.3 * off
-    assert observer < 0.5 * compensation
+    assert observer < 0.3 * off and observer < 0.5 * compensation
+
+
+def test_a_disturbance_is_cancelled_through_the_filter():
+    bandwidth = 5.0
+    # At rest, 2 and -1 N·m of the person without any motion: something withstands them.
+    name = f"disturbance-observer:bandwidth={bandwidth}"
+    policy, env = made(name, gravity="microgravity", suit="none")
+    for period in range(1, 60):
+        torque = asked(policy, env, interaction_torque=[0, 2, -1, 0])
+        phase = math.tau * bandwidth * 0.01 * period
+        whole = (1 - (1 + phase) * math.exp(-phase)) * np.array([2, -1])
+        np.testing.assert_allclose(torque, whole, rtol=1e-5)
+
+
+def test_what_the_believed_arm_explains_is_no_disturbance():
+    policy, env = made("disturbance-observer", gravity="earth")
+    compensation = make_policy("compensation", env)
+    peak = env.episodes.simulation.addresses.peak_torque
+    angle = [0, 0.6, 1.0, 0]
+    needed = asked(compensation, env, angle=angle)
+    bare = needed - asked(make_policy("complement", env), env, angle=angle)
+    for _ in range(50):  # motors carry all but the bare arm, which the person holds
+        torque = asked(policy, env, angle=angle, motor_torque=(needed - bare) / peak)
+    np.testing.assert_allclose(torque, needed, atol=1e-4)

@@ -1,0 +1,206 @@
+"""Controllers by an intention, a plan, cycles or cuffs, and the guard, by textbook properties."""
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import rollout
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import make_policy, needed_options
+from activesuit.envs.policies.corrected import CorrectedCompensation
+from activesuit.envs.policies.guard import RESERVE, lessen, updated_ledger
+from activesuit.envs.policies.iterative import learned
+from activesuit.envs.simulation.simulation import PREVIEW
+from shown import asked, made
+
+
+def test_impedance_is_a_pull_of_springs_and_dampers():
+    policy, env = made("impedance", gravity="microgravity", suit="none")
+    pull = asked(policy, env, target=[0.1, -0.05] * 3)
+    np.testing.assert_allclose(pull, policy.stiffness * [0.1, -0.05], rtol=1e-5)
+    # Preview of a motion at 0.2 rad/s that is at 0 at the nearest time.
+    moving = np.outer(np.array(PREVIEW) - PREVIEW[0], [0.2, 0.2]).ravel()
+    pull = asked(policy, env, target=moving)
+    np.testing.assert_allclose(pull, 0.2 * policy.damping, rtol=1e-4)
+
+
+def test_impedance_gives_the_believed_arm_its_bandwidth():
+    policy, env = made("impedance:bandwidth=1.5,damping_ratio=0.7")
+    inertia = Plant.of(env.episodes).believed().inertia().nominal()
+    pole = 2 * np.pi * 1.5
+    np.testing.assert_allclose(policy.stiffness / inertia, pole**2)
+    np.testing.assert_allclose(policy.damping / inertia, 2 * 0.7 * pole)
+
+
+def effort(traces):
+    return np.sqrt(np.mean([trace.effort**2 for trace in traces]))
+
+
+def test_predictive_sampling_is_no_worse_than_compensation():
+    arms = ArmEnv("ElbowFlexion", gravity="microgravity").rows(2, max_episode_steps=300)
+    plain = rollout(arms, make_policy("compensation", arms), [1, 2])
+    policy = make_policy("predictive:samples=8", arms)
+    first, again = rollout(arms, policy, [1, 2]), rollout(arms, policy, [1, 2])
+    assert effort(first) < 1.1 * effort(plain)
+    assert effort(first) != effort(plain)
+    for one, other in zip(first, again, strict=True):  # its samples have a seed
+        np.testing.assert_array_equal(one.human_torque, other.human_torque)
+
+
+def test_predictive_sampling_plans_on_what_it_believes():
+    env = ArmEnv("ElbowFlexion", suit="emu-like", gravity="microgravity")
+    arms = env.rows(1, max_episode_steps=200)
+    right = rollout(arms, make_policy("predictive:samples=4", arms), [1])
+    wrong = rollout(arms, make_policy("predictive:samples=4,suit=mock-suit", arms), [1])
+    assert effort(right) < 0.8 * effort(wrong)
+
+
+DT = 0.01
+
+
+@pytest.mark.parametrize("gain", [0.3, 0.8])
+def test_iterative_learning_contracts(gain):
+    """A person who gives what the motors leave: the error shrinks by 1 - gain a cycle.
+
+    It ends at what the filter takes from a cycle, a few hundredths of it.
+    """
+    phase = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    wanted = np.stack([3 * np.sin(phase), 2 + np.cos(phase)], axis=-1)[:, None]
+    known, errors = np.zeros_like(wanted), []
+    for _ in range(8):
+        missing = wanted - known
+        errors.append(np.abs(missing).max())
+        known = learned(known, missing, gain, ahead=0, dt=DT)
+    # What the filter takes from a cycle stays missing, the more the smaller the gain.
+    left = [errors[0] * (1 - gain) ** cycle for cycle in range(8)]
+    np.testing.assert_allclose(errors, left, atol=0.02 * errors[0])
+    for _ in range(20):
+        known = learned(known, wanted - known, gain, ahead=0, dt=DT)
+    assert np.abs(wanted - known).max() < 0.04 * np.abs(wanted).max()
+
+
+def test_iterative_learning_comes_earlier_by_the_lag_of_the_motors():
+    missing = np.zeros((100, 1, 2))
+    missing[50] = 1.0
+    found = learned(np.zeros_like(missing), missing, 1.0, ahead=3, dt=DT)
+    assert found[:, 0, 0].argmax() == 47
+
+
+def test_iterative_learning_helps_from_cycle_to_cycle():
+    """In the ratchet the wearer gives less in the last cycles than under compensation."""
+    given = {}
+    for name in ("compensation", "iterative"):
+        env = ArmEnv("Ratchet", **needed_options(name))
+        policy = make_policy(name, env)
+        observation, info = env.reset(seed=0)
+        policy.reset()
+        torques = []
+        for _ in range(800):
+            observation, *_, info = env.step(policy.act(observation))
+            torques.append(info["human_torque"][2])
+        given[name] = np.sqrt(np.mean(np.square(torques[600:])))
+    assert given["iterative"] < 0.8 * given["compensation"]
+
+
+def test_iterative_learning_without_a_cycle_is_compensation():
+    env = ArmEnv(**needed_options("iterative"))
+    observation, _ = env.reset(seed=0)
+    policies = [make_policy(name, env) for name in ("compensation", "iterative")]
+    for _ in range(20):
+        first, second = (policy.act(observation) for policy in policies)
+        np.testing.assert_array_equal(first, second)
+        observation, *_ = env.step(first)
+
+
+def test_springs_tell_how_the_arm_is_turned():
+    policy, _ = made("corrected", coupling="cuffs", suit="none")
+    rng = np.random.default_rng(5)
+    angle, turn = rng.uniform(0.2, 1.2, (6, 4)), rng.uniform(-0.1, 0.1, (6, 4))
+    spring = policy._stiffness[:, None] * policy._levers(angle)
+    seen = {"angle": angle, "cuff_force": -np.einsum("nfj,nj->nf", spring, turn)}
+    policy._elastic.begin(seen["cuff_force"])
+    np.testing.assert_allclose(policy.turn(seen), turn, atol=2e-3)
+    seen["cuff_force"] *= 0  # the dampers tell of it at once, the springs later
+    assert 0.5 < np.abs(policy.turn(seen)).sum() / np.abs(turn).sum() < 1
+
+
+def test_corrected_angles_are_those_of_the_arm():
+    angles = []
+
+    class Watched(CorrectedCompensation):
+        def turn(self, seen):
+            found = super().turn(seen)
+            angles.append([seen["angle"], seen["angle"] + found])
+            return found
+
+    needed = needed_options("corrected")
+    env = ArmEnv(coupling="cuffs", suit="emu-like", gravity="microgravity", **needed)
+    arms = env.rows(2)
+    policy = Watched(Plant.of(arms.episodes))
+    true = np.array([trace.angle for trace in rollout(arms, policy, [3, 4])]).swapaxes(0, 1)
+    # The first one begins the memory; what is seen in a period is of the end of the one before.
+    seen = np.array(angles)[2:].swapaxes(0, 1)
+    encoders, corrected = np.sqrt(np.mean((seen - true[:-1]) ** 2, axis=(1, 2)))[:, 1:3]
+    assert (encoders > 0.04).all() and (corrected < encoders / 4).all()
+
+
+def test_with_the_guard_no_cycle_gains_energy():
+    """3,000 random policies in random cycles, against a belief that stores and dissipates."""
+    rng, n, periods, cycles = np.random.default_rng(0), 3_000, 100, 6
+    phase = 2 * np.pi * np.arange(periods) / periods
+    size, shift = rng.uniform(0.2, 1, (n, 2)), rng.uniform(0, 2 * np.pi, (n, 2))
+    stiffness, friction = rng.uniform(0, 10, (n, 2)), rng.uniform(0, 5, (n, 2))
+    push = rng.normal(0, 20, (n, 2))
+    ledger, gained = np.full(n, RESERVE), []
+    for _ in range(cycles):
+        given, lost = np.zeros(n), np.zeros(n)
+        for now in phase:
+            angle = size * np.sin(now + shift)
+            rate = size * 2 * np.pi * np.cos(now + shift)
+            needed = stiffness * angle + friction * np.sign(rate)
+            wanted = push * rng.standard_normal((n, 2)) + push * np.sign(rate)
+            torque, _ = lessen(wanted, needed, rate, ledger, DT)
+            ledger = updated_ledger(ledger, needed, torque, rate, DT)
+            given += (torque * rate).sum(axis=1) * DT
+            lost += (friction * np.abs(rate)).sum(axis=1) * DT
+        gained.append(given - lost)
+    stored = (stiffness * size**2 / 2).sum(axis=1)
+    assert (np.sum(gained, axis=0) <= RESERVE + stored + 1e-6).all()
+
+
+def test_the_guard_leaves_the_right_compensation_alone():
+    arms = ArmEnv("ArmTracking").rows(2, max_episode_steps=400)
+    bare, guarded = make_policy("compensation", arms), make_policy("compensation:guard=true", arms)
+    without, with_it = (rollout(arms, policy, [3, 4]) for policy in (bare, guarded))
+    for one, other in zip(without, with_it, strict=True):
+        np.testing.assert_array_equal(one.human_torque, other.human_torque)
+    assert guarded.acted.tolist() == [0, 0]
+
+
+class Drive:
+    """Drives the arm with its motion, which is unstable."""
+
+    def __init__(self, plant):
+        self.rate = plant.layout["rate"]
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return np.clip(2.0 * observation[..., self.rate][..., [1, 2]], -1, 1)
+
+
+def test_the_guard_stops_a_policy_that_drives(monkeypatch):
+    monkeypatch.setitem(sys.modules, "drives", SimpleNamespace(Drive=Drive))
+    arms = ArmEnv("ElbowFlexion", gravity="microgravity").rows(2, max_episode_steps=400)
+    wild = rollout(arms, make_policy("drives:Drive", arms), [1, 2])
+    policy = make_policy("drives:Drive:guard=true", arms)
+    tame = rollout(arms, policy, [1, 2])
+    assert policy.acted.min() > 20
+
+    def work(traces):
+        return sum(np.sum(t.assist_torque * t.rate[:, [1, 2]]) * DT for t in traces)
+
+    assert work(tame) < 0.5 * work(wild)
