@@ -1,6 +1,6 @@
 """Several trainings that differ by their seed alone, and what they say together."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,13 @@ from ...errors import InputError
 from ..backends import run_all
 from ..conclusion import conclude
 from ..output import RunFolder
-from ..reports.learning import learning_figure
 from .evaluations import read_evaluations, relief_text, value
+from .report import learning_figure
+from .request import TrainingRequest
 
 MOST, LONGEST = 1000, 40  # seeds, and characters of a pair of them
 HIGHEST = 2**32 - 1  # seed that the generators of all learners take
 FEWEST = 5  # trainings from which an interval can be had
-Train = Callable[[Path, int], None]
 
 
 def seeds_of(text: str) -> list[int]:
@@ -39,47 +39,37 @@ def seeds_of(text: str) -> list[int]:
     return sorted(found)
 
 
-def train_all(
-    train: Train,
-    seeds: list[int],
-    out: Path,
-    workers: int,
-    *,
-    resume: bool,
-    force: bool,
-) -> None:
+def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers: int) -> None:
     """Trains with each seed in a folder of its own, and reports all of them together.
 
     Args:
-        train: Function that trains in a folder with a seed, or continues what is there.
+        request: What each training is asked for.
         seeds: The seeds.
         out: Folder of the folders.
         workers: Number of trainings at once.
-        resume: Whether to go on with what is there.
-        force: Whether to replace what is there.
     """
-    folder = RunFolder(out, "train", force=force or resume)
+    folder = RunFolder(out, "train", force=request.force or request.resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
     given = [(path, seed) for seed, path in runs.items()]
     if workers == 1:
         for path, seed in given:
-            train(path, seed)
+            request.seed(path, seed)
     else:
-        for _ in run_all(train, given, "loky", workers):
+        for _ in run_all(request.seed, given, "loky", workers):
             pass
-    results = {seed: read_evaluations(path) for seed, path in runs.items()}
-    curves = {f"seed {seed}": one["results"] for seed, one in results.items()}
-    folder.figure("learning_curves", learning_figure(curves))
-    best = {seed: max(one["results"], key=value) for seed, one in results.items()}
+    found = {seed: read_evaluations(path) for seed, path in runs.items()}
+    curves = {f"seed {seed}": one["results"] for seed, one in found.items()}
+    beside = found[seeds[0]].get("beside", {})  # of the same motions in all of them
+    folder.figure("learning_curves", learning_figure(curves, beside))
+    best = {seed: max(one["results"], key=value) for seed, one in found.items()}
     steps = sorted({training_of(path)["steps"] for path in runs.values()})
     rows = [
         [str(seed), str(one["steps"]), relief_text(one["relief"]), f"{one['success']:.0%}"]
         for seed, one in best.items()
     ]
-    header = ["seed", "steps of the best", "relief", "success"]
     conclude(
-        {"best": {str(seed): one for seed, one in best.items()}, "together": together(best)},
-        {"trainings": (header, rows)},
+        {"best": {str(seed): one for seed, one in best.items()}, "together": _together(best)},
+        {"trainings": (["seed", "steps of the best", "relief", "success"], rows)},
         _remarks(best, steps),
         folder=folder,
         json=False,
@@ -87,7 +77,7 @@ def train_all(
     )
 
 
-def together(best: dict[int, dict[str, Any]]) -> dict[str, float] | None:
+def _together(best: Mapping[int, dict[str, Any]]) -> dict[str, float] | None:
     """Returns what `over_trainings` does of the relief; None where a training has none."""
     reliefs = [value(one) for one in best.values()]
     return over_trainings(reliefs) if np.isfinite(reliefs).all() else None
@@ -108,7 +98,7 @@ def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
 def _remarks(best: dict[int, dict[str, Any]], steps: list[int]) -> Iterator[str]:
     if len(steps) > 1:
         yield f"the trainings differ: they were asked for {' and '.join(map(str, steps))} steps"
-    found = together(best)
+    found = _together(best)
     if found is None:
         yield "a training has no relief, so that they are not summed up"
     else:
