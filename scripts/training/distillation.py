@@ -47,7 +47,7 @@ def distill(run: Run) -> int:
     env, training = run.card.environment["env"], run.card.training
     own = {name: training[name] for name in ("randomize",) if name in training}
     teacher, seed, rows = training["teacher"], training["seed"], training["rows"]
-    lesson = Lesson(env, {**run.options, **own}, teacher, rows)
+    lesson = _Lesson(env, {**run.options, **own}, teacher, rows)
     size = rows * lesson.periods  # steps of a round
     student = _Student(lesson.size, lesson.motors, seed)
     if run.checkpoint is not None:
@@ -71,20 +71,8 @@ def distill(run: Run) -> int:
     return student.rounds * size
 
 
-class Lesson:
-    """Rows of arms that show both a student and its teacher what each may see.
-
-    Args:
-        env: Id of the environment.
-        options: Options of the student's environment.
-        teacher: Specification of the teacher.
-        rows: Number of rows.
-
-    Attributes:
-        periods: Number of control periods of a round.
-        size: Number of values that the student observes.
-        motors: Number of motors.
-    """
+class _Lesson:
+    """Rows of arms that show both a student and its teacher what each may see."""
 
     def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:
         theirs = {**options, **{"history": 1}, **needed_options(teacher)}
@@ -105,16 +93,11 @@ class Lesson:
         self._mine, self._theirs = (_columns(env, one, layout, size) for one in (mine, theirs))
         plant = _plant(env, theirs)
         self._teacher = make_policy(teacher, plant)
-        self.periods = round(self._arms.duration / self._arms.control_dt)
+        self.periods = round(self._arms.duration / self._arms.control_dt)  # of a round
         self.size, self.motors = self._mine.size, plant.motors
 
     def round(self, student: Network | None, seeds: list[int]) -> Samples:
-        """Returns what the student saw, and what the teacher would have done, sample by sample.
-
-        Args:
-            student: Student that acts; None lets the teacher act.
-            seeds: Seed of each row.
-        """
+        """Returns samples of one motion in each row, in which the student acts, if there is one."""
         seen, wished = [], []
         observation, _ = self._arms.reset(seed=seeds)
         self._teacher.reset()
@@ -147,16 +130,7 @@ def _columns(
 
 
 class _Student:
-    """A network of two layers, what teaches it, and the samples of its last rounds.
-
-    Args:
-        size: Number of values that it observes.
-        motors: Number of motors.
-        seed: Seed of the training.
-
-    Attributes:
-        rounds: Number of rounds that it has learned from.
-    """
+    """A network of two layers, what teaches it, and the samples of its last rounds."""
 
     def __init__(self, size: int, motors: int, seed: int) -> None:
         import torch
@@ -208,12 +182,7 @@ class _Student:
         return file.getvalue()
 
     def restore(self, content: bytes, path: Path) -> None:
-        """Restores what `content` has returned, which holds numbers only.
-
-        Args:
-            content: The checkpoint.
-            path: Path of its file, for messages.
-        """
+        """Restores what `content` has returned, which holds numbers only."""
         import torch
 
         try:

@@ -58,7 +58,7 @@ class Evaluations:
 
     Attributes:
         results: Results in the order of the training: steps, relief with its interval, success and
-            what `physical` returns; relief is None where the policy loses arms.
+            what `_physical` returns; relief is None where the policy loses arms.
         beside: Relief with its interval of policies that do not learn, by their names.
         wanted: Whether there are motions to evaluate.
     """
@@ -120,7 +120,7 @@ class Evaluations:
         self._run.write(files_of(card, network))
 
     def evaluated(self, network: Network) -> dict[str, Any]:
-        """Returns what a network gives: relief with its interval, success and `physical`."""
+        """Returns what a network gives: relief with its interval, success and `_physical`."""
 
         def policy(plant: Plant) -> Policy:
             peak[:] = plant.peak
@@ -140,7 +140,7 @@ class Evaluations:
             found, traces = self._relief("trained", policy)
         except ArmLost:
             return {"relief": None, "success": 0.0}
-        return found | physical(traces, peak)
+        return found | _physical(traces, peak)
 
     def _relief(self, name: str, given: Runnable) -> tuple[dict[str, Any], list[Trace]]:
         """Returns relief, with its interval and by motion, and the motions."""
@@ -174,16 +174,12 @@ def _line(result: dict[str, Any]) -> str:
     return f"{result['steps']} steps: {text}, success {result['success']:.0%}"
 
 
-def physical(traces: list[Trace], peak: Array) -> dict[str, float]:
-    """Returns what motions were like, in physical units, as means over them.
+def _physical(traces: list[Trace], peak: Array) -> dict[str, float]:
+    """Returns means over motions, given the peak torque of the motors [N·m].
 
     They are the share of successes, effort [1], tracking error [rad], the root mean squares of the
     torques of wearer and motors by joint [N·m], the greatest force of a cuff [N], and the share of
     time in which a motor is saturated.
-
-    Args:
-        traces: The motions.
-        peak: Peak torque of the motors [N·m], shape (2,).
     """
     found = {"success": np.mean([trace.success for trace in traces])}
     for name in ("effort", "tracking"):

@@ -43,9 +43,9 @@ def learn(run: Run) -> int:
         run = run.begun(EVALUATIONS)
         evaluations = Evaluations(run, done)
         total = run.rounded(update_length(learner), "updates", done)
-        checkpoints = Checkpoints(run, learner, evaluations, going_on=going_on)
+        checkpoints = _Checkpoints(run, learner, evaluations, going_on=going_on)
         with progress(f"{algo} on {env}", total) as bar:
-            callbacks = [checkpoints, Progress(bar, new=run.checkpoint is None)]
+            callbacks = [checkpoints, _Progress(bar, new=run.checkpoint is None)]
             try:
                 with suppress(_PlateauError):
                     learner.learn(
@@ -70,14 +70,10 @@ class _PlateauError(Exception):
     """The training ends, as its evaluations are no better any more."""
 
 
-class Checkpoints(BaseCallback):
+class _Checkpoints(BaseCallback):
     """Keeps the learner ten times a training, and evaluates its policy.
 
-    Args:
-        run: The run.
-        learner: The learner.
-        evaluations: Evaluations so far.
-        going_on: Whether the training goes on even if its evaluations were no better any more.
+    A run that goes on after its end does so even if its evaluations were no better any more.
     """
 
     def __init__(self, run: Run, learner: Any, evaluations: Evaluations, *, going_on: bool) -> None:
@@ -124,13 +120,8 @@ class Checkpoints(BaseCallback):
         self.logger.dump(steps)
 
 
-class Progress(BaseCallback):
-    """Moves the progress bar, logs what episodes cost, and judges the reward of a new training.
-
-    Args:
-        bar: The progress bar.
-        new: Whether the training is new.
-    """
+class _Progress(BaseCallback):
+    """Moves the progress bar, logs what episodes cost, and judges the reward of a new training."""
 
     def __init__(self, bar: Bar, *, new: bool) -> None:
         super().__init__()

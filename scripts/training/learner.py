@@ -166,7 +166,10 @@ def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) ->
         if (memory := getattr(learner, "memory", None)) is None:
             learner._last_obs = None  # the file of a learner that has begun no episode
             return learner
-        environments.unwrapped.arms.set_state(memory["arms"])
+        arms, state = environments.unwrapped.arms, memory["arms"]
+        # A suit file is in the folder of the run now, which may have moved.
+        state["config"]["suit"] = arms.get_state()["config"]["suit"]
+        arms.set_state(state)
         for name in MONITORED:
             getattr(environments, name)[:] = memory["monitor"][name]
         if memory["residual"]:

@@ -15,7 +15,7 @@ Results = Sequence[Mapping[str, Any]]
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b")
 LINES = {"none": ("0.55", ":"), "compensation": ("0.25", "--")}  # policies that do not learn
 SCALE = {0.0: "suit alone", 1.0: "no suit"}  # what a relief means
-COLUMNS = {  # what `physical` returns, as columns of the table
+COLUMNS = {  # of an evaluation, as columns of the table
     "success": ("success", "{:.0%}"),
     "effort": ("effort\n[% of strength]", "{:.1%}"),
     "tracking": ("tracking error\n[rad]", "{:.3f}"),
