@@ -90,7 +90,7 @@ class _Checkpoints(BaseCallback):
             self.evaluate()
         if self._ends:
             raise _PlateauError
-        draw_anew(self._learner)
+        draw_anew(self._learner, self._run.card.training["seed"])
 
     def _on_step(self) -> bool:
         return True

@@ -112,12 +112,16 @@ def update_length(learner: Any) -> int:
     return learner.n_envs * (getattr(learner, "n_steps", None) or learner.train_freq.frequency)
 
 
-def draw_anew(learner: Any) -> None:
+def draw_anew(learner: Any, seed: int) -> None:
     """Makes all that is drawn until the next update follow from the seed and the steps so far.
 
     So a learner that goes on draws what one that was not stopped draws.
+
+    Args:
+        learner: The learner.
+        seed: Seed of the training.
     """
-    drawn = np.random.SeedSequence((learner.seed, learner.num_timesteps)).generate_state(1)
+    drawn = np.random.SeedSequence((seed, learner.num_timesteps)).generate_state(1)
     learner.set_random_seed(int(drawn[0]))
     if getattr(learner, "use_sde", False):  # the noise of the next rollout is drawn already
         learner.policy.reset_noise(learner.n_envs)
@@ -166,6 +170,7 @@ def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) ->
         if (memory := getattr(learner, "memory", None)) is None:
             learner._last_obs = None  # the file of a learner that has begun no episode
             return learner
+        environments.reset()
         arms, state = environments.unwrapped.arms, memory["arms"]
         # A suit file is in the folder of the run now, which may have moved.
         state["config"]["suit"] = arms.get_state()["config"]["suit"]
