@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..scripts.folders import RunFolder
 from ..scripts.training.hyperparameters import algorithm_class, hyperparameters
-from ..scripts.training.learners import new_learner, threads, training_environments
+from ..scripts.training.learner import begin_torch, new_learner, training_environments
 from ..tables import Rows
 from .timing import Row, compare
 
@@ -124,7 +124,7 @@ def training(repeats: int) -> tuple[list[Row], list[Training]]:
 
     usual = hyperparameters("ppo", ENV)
     with ExitStack() as opened:
-        opened.enter_context(threads(1))
+        begin_torch(1)
         folder = RunFolder(Path(opened.enter_context(tempfile.TemporaryDirectory())))
 
         def in_rows() -> _Learner:

@@ -248,7 +248,7 @@ FILES: dict[str, tuple[Outcomes, tuple[str, ...]]] = {  # the first command is f
     )),
     "run/policy.json": (CARD, ACTING),
     "run/policy.safetensors": (BINARY, ACTING),
-    "run/model.zip": (BINARY, ("train --resume --trust --steps 1 --out run",)),
+    "run/model.zip": (BINARY, ("train --resume --trust --steps 64 --out run",)),
 }  # fmt: skip
 
 

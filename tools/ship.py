@@ -6,19 +6,14 @@ the policy to assets/policies.
 """
 
 import argparse
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..envs.policies.build import residual_of
 from ..envs.policies.network import CARD, WEIGHTS, card_file, read_card
 from ..envs.policies.trained import SHIPPED
 from ..files import replacing
-from ..scripts.arm_options import USUAL
-from ..scripts.backends import run_all
-from ..scripts.runs import scene
-from ..scripts.training.evaluations import finished, read_evaluations, value
-from ..scripts.training.request import TrainingRequest
+from ..scripts.commands.train import train
+from ..scripts.training.evaluations import read_evaluations, value
 from ..scripts.training.seeds import seeds_of
 
 LICENSE = "Apache-2.0"
@@ -41,7 +36,7 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
             "level": "randomized",
             "algo": "ppo",
             "history": 5,
-            "residual": residual_of("compensation:suit=mock-suit", 0.3),
+            "residual": "compensation:suit=mock-suit",
             "steps": 400_000,
         },
     ),
@@ -61,15 +56,6 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
-def train(name: str, seed: int, out: Path) -> None:
-    """Trains one network with one seed, or continues what is there."""
-    given = dict(NETWORKS[name][1])
-    file = given.pop("hyperparameters", None)
-    place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
-    request = TrainingRequest(given=given, file=file, scene=place, resume=True, force=True)
-    request.seed(out, seed)
-
-
 def main() -> None:
     """Trains all seeds of one network, and ships the best."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -78,10 +64,10 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, required=True, help="folder of the trainings")
     given = parser.parse_args()
-    runs = {seed: given.out / given.name / f"seed-{seed}" for seed in seeds_of(given.seeds)}
-    left = [(given.name, seed, path) for seed, path in runs.items() if not finished(path)]
-    for _ in run_all(train, left, "loky", given.workers):
-        pass
+    out, seeds = given.out / given.name, seeds_of(given.seeds)
+    several = {"seeds": given.seeds, "workers": given.workers, "resume": True}
+    train(task="ArmTracking", **NETWORKS[given.name][1], **several, out=out)
+    runs = {seed: out / f"seed-{seed}" for seed in seeds}
     reliefs = {}
     for seed, path in runs.items():
         results = read_evaluations(path)["results"]

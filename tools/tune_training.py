@@ -10,7 +10,6 @@ is a table in docs/measured; the shipped files are changed by hand, with its num
 import argparse
 import json
 import tempfile
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,23 +19,18 @@ import yaml
 from joblib import Parallel, delayed
 
 from .. import __version__
-from ..envs.policies.build import residual_of
 from ..files import write_text
 from ..json_files import read_json
-from ..scripts.arm_options import USUAL
-from ..scripts.runs import scene
+from ..scripts.commands.train import train
 from ..scripts.training.evaluations import EVALUATIONS, value
 from ..scripts.training.hyperparameters import hyperparameters
-from ..scripts.training.request import TrainingRequest
 from .measure import FOLDER
 
 SHOWN = 5  # trials in the table
 WORST = -2.0  # relief of a training that loses arms
 CASES: dict[str, dict[str, Any]] = {
-    "alone": {"given": {}},
-    "correction": {
-        "given": {"level": "shift", "residual": residual_of("compensation:suit=mock-suit", 0.3)},
-    },
+    "alone": {},
+    "correction": {"level": "shift", "residual": "compensation:suit=mock-suit"},
 }
 ON_POLICY = ("ppo", "recurrent-ppo")
 
@@ -78,10 +72,9 @@ def score(settings: dict[str, Any], algo: str, steps: int) -> dict[str, float]:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "tried.yml"
             file.write_text(yaml.safe_dump({"default": settings}), encoding="utf-8")
-            place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
-            given = {"algo": algo, "steps": steps, **case["given"]}
             run = Path(folder) / "run"
-            TrainingRequest(given=given, scene=place, file=file).one(run)
+            usual = {"task": "ArmTracking", "algo": algo, "steps": steps, "hyperparameters": file}
+            train(**usual, **case, out=run)
             results = read_json(run / EVALUATIONS, "evaluations")["results"]
         last = [max(WORST, value(one)) for one in results[len(results) // 2 :]]
         found[name] = float(np.mean(last))

@@ -4,15 +4,11 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from ...checks import at_least
 from ...envs.policies.build import residual_of
-from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
 from ...envs.policies.trained import OBSERVATION, portable
 from ...errors import InputError
-from ...text import say
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
 from ..options import correctable as corrected_names
@@ -24,8 +20,10 @@ from ..runs import scene
 from ..settings import joined
 from ..training.evaluations import MOTIONS
 from ..training.hyperparameters import ALGORITHMS
-from ..training.request import MOST_ROWS, MOST_STEPS, TASK, TrainingRequest
+from ..training.request import MOST_ROWS, TASK, TrainingRequest
 from ..training.seeds import HIGHEST, seeds_of, train_all
+
+MOST_STEPS = 10**11
 
 
 def train(
@@ -35,7 +33,7 @@ def train(
     algo: Annotated[str | None, choice(lambda: ALGORITHMS, usual="ppo")] = None,
     steps: Annotated[int | None, optional_number("that of the hyperparameters", int)] = None,
     rows: Annotated[int | None, optional_number("that of the hyperparameters", int)] = None,
-    hyperparameters_file: Annotated[Path | None, tyro.conf.arg(name="hyperparameters")] = None,
+    hyperparameters: Path | None = None,
     sensors: tuple[str, ...] = (),
     history: Annotated[int | None, optional_number("1", int)] = None,
     normalize: bool = False,
@@ -75,7 +73,7 @@ def train(
         steps: Number of environment steps in total, including those before a resume; PPO rounds it
             up to whole updates.
         rows: Number of arms that are simulated together.
-        hyperparameters_file: YAML file in the syntax of rl-zoo3, with what differs from the usual
+        hyperparameters: YAML file in the syntax of rl-zoo3, with what differs from the usual
             hyperparameters.
         sensors: Names of the sensor suites that the policy observes.
         history: Number of control periods whose observations it gets at once.
@@ -101,67 +99,44 @@ def train(
         trust: Resume a run that you did not train on this machine, although that runs whatever code
             its files hold; no other command runs any.
     """
-    at_least("torch-threads", torch_threads, 1)
-    at_least("workers", workers, 1)
-    if steps is not None:
-        at_least("steps", steps, 1, MOST_STEPS)
-    if rows is not None:
-        at_least("rows", rows, 1, MOST_ROWS)
-    if seed is not None:
-        at_least("seed", seed, 0, HIGHEST)
-    if motions is not None and motions != 0:
-        at_least("motions", motions, MOTIONS)
-    if patience is not None:
-        at_least("patience", patience, 1)
+    for name, count, least, most in (
+        ("torch-threads", torch_threads, 1, MOST_STEPS),
+        ("workers", workers, 1, MOST_STEPS),
+        ("steps", steps, 1, MOST_STEPS),
+        ("rows", rows, 1, MOST_ROWS),
+        ("seed", seed, 0, HIGHEST),
+        ("motions", motions or None, MOTIONS, MOST_STEPS),  # 0 is none
+        ("patience", patience, 1, MOST_STEPS),
+    ):
+        if count is not None:
+            at_least(name, count, least, most)
     if trust and not resume:
         raise InputError(
             "--trust is given without --resume: it is about the files of a run to resume"
         )
-    if seeds is not None and seed is not None:
-        raise InputError("--seed and --seeds are given: give one of them")
-    given: dict[str, Any] = {"algo": algo, "seed": seed, "rows": rows, "steps": steps}
-    given |= {"level": level, "history": history, "sensors": list(sensors) or None}
-    given |= {"normalize": normalize or None, "belief": belief and {"suit": belief}}
-    given |= {"reward": reward, "motions": motions, "patience": patience, "teacher": teacher}
+    if residual is None and residual_scale is not None:
+        raise InputError("--residual-scale is given without --residual: name a policy, too")
     drawn = {"suit": "samples" if samples else None, "suits": list(suits) or None}
-    given |= {"randomize": {name: one for name, one in drawn.items() if one} or None}
-    given |= {"residual": _residual(residual, residual_scale)}
+    given: dict[str, Any] = {
+        **{"algo": algo, "seed": seed, "rows": rows, "steps": steps, "level": level},
+        **{"sensors": list(sensors) or None, "history": history, "normalize": normalize or None},
+        "belief": None if belief is None else {"suit": portable(belief)},
+        "residual": residual and residual_of(residual, residual_scale or SCALE),
+        **{"teacher": teacher, "reward": reward, "motions": motions, "patience": patience},
+        "randomize": {name: one for name, one in drawn.items() if one} or None,
+    }
     others, arm = arm.split((*OBSERVATION, "level", "reward", "randomize"))
-    present = {name: value for name, value in given.items() if value is not None}
-    present = joined(present, others)
+    given = joined({name: one for name, one in given.items() if one is not None}, others)
     request = TrainingRequest(
-        given=_portable(present),
-        file=hyperparameters_file,
+        given=given,
+        file=hyperparameters,
         scene=partial(scene, arm, env=env, task=task, suit=suit, gravity=gravity, trusted=trust),
-        resume=resume,
-        trust=trust,
-        force=force,
-        torch_threads=torch_threads,
+        **{"resume": resume, "trust": trust, "force": force, "torch_threads": torch_threads},
     )
     if seeds is None:
-        done = request.one(out)
-        say(
-            f"trained {done} steps; compare, in this task and with these options: "
-            f"activesuit evaluate --policies none {out}"
-        )
+        request.one(out)
         return
-    if motions == 0:
-        raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
-    chosen = seeds_of(seeds)
-    train_all(request.seed, chosen, out, workers, resume=resume, force=force)
-
-
-def _portable(given: dict[str, Any]) -> dict[str, Any]:
-    """Returns options in which a file of a believed suit is its content."""
-    belief = given.get("belief")
-    if not isinstance(belief, dict) or not isinstance(belief.get("suit"), str):
-        return given
-    return {**given, "belief": {**belief, "suit": portable(belief["suit"])}}
-
-
-def _residual(given: str | None, scale: float | None) -> Residual | None:
-    if given is None:
-        if scale is not None:
-            raise InputError("--residual-scale is given without --residual: name a policy, too")
-        return None
-    return residual_of(given, SCALE if scale is None else scale)
+    if seed is not None or motions == 0:
+        other = "--seed is" if seed is not None else "--motions 0 is"
+        raise InputError(f"{other} given, and --seeds compares evaluations: leave one of them out")
+    train_all(request, seeds_of(seeds), out, workers)

@@ -9,6 +9,7 @@ import io
 from collections import deque
 from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,149 +18,61 @@ from numpy.typing import NDArray
 from ...envs.making import make_arms
 from ...envs.plant import Plant
 from ...envs.policies import make_policy, needed_options
-from ...envs.policies.network import Card, Network, files_of
+from ...envs.policies.network import Network
+from ...envs.policies.saving import layers_of
 from ...envs.vector_env import ArmVectorEnv
-from ...errors import InputError, install_line
-from ..output import RunFolder, messages, progress
-from .checkpoints import CHECKPOINT, Checkpoint, note_missing, unreadable, write_own
-from .evaluations import Evaluations, nothing_left
-from .learners import threads, training_seeds
-from .run import begin, end, report
+from ...errors import InputError
+from ..output import progress
+from .evaluations import EVALUATIONS, Evaluations
+from .learner import training_seeds, unreadable
+from .report import write_report_of
+from .run import CHECKPOINT, Run
 
 USUAL: dict[str, Any] = {"rows": 64, "steps": 1_000_000}
 LAYERS = (64, 64)
 LAST = 5  # rounds whose samples are kept
 EPOCHS, BATCH, RATE = 4, 1024, 1e-3
-PAIR = ("seen", "wished")  # what a student saw, and what its teacher would have done
-Samples = NDArray[np.float32]
+EVERY = 5  # evaluations of a training
+Samples = tuple[NDArray[np.float32], NDArray[np.float32]]
+"""What a student saw, and what its teacher would have done."""
 
 
-def distill(
-    folder: RunFolder,
-    card: Card,
-    options: dict[str, Any],
-    checkpoint: Checkpoint | None,
-    torch_threads: int,
-) -> int:
+def distill(run: Run) -> int:
     """Trains a student; returns the number of steps.
 
     There is a checkpoint after each round. A round begins with new episodes, whose seeds follow
-    from its number, and with a teacher that has forgotten the last ones. So what the next rounds
-    depend on is the network, its optimizer, the kept samples and the random generator of torch.
-
-    Args:
-        folder: Folder of the run.
-        card: Card of the student, whose `training` has the teacher.
-        options: Options of the student's environment.
-        checkpoint: Checkpoint from which the training continues; None begins anew.
-        torch_threads: Number of threads of torch.
+    from its number as those of torch do, and with a teacher that has forgotten the last ones. So
+    what the next rounds depend on is the network, its optimizer and the kept samples.
     """
-    try:
-        import torch
-    except ImportError as error:
-        raise InputError(
-            "a student needs torch: use `make train` in a clone of the repository, or "
-            f"{install_line('train')}"
-        ) from error
-    env, training = card.environment["env"], card.training
+    env, training = run.card.environment["env"], run.card.training
     own = {name: training[name] for name in ("randomize",) if name in training}
-    teacher, steps = training["teacher"], training["steps"]
-    lesson = Lesson(env, {**options, **own}, teacher, training["rows"])
-    size = training["rows"] * lesson.periods  # steps of a round
-    rounds = max(1, round(steps / size))
-    torch.manual_seed(training["seed"])
-    student = _Student(lesson.size, lesson.motors)
-    kept: deque[tuple[Samples, Samples]] = deque(maxlen=LAST)
-    done = _go_back(student, kept, checkpoint) if checkpoint else 0  # rounds
-    if done >= rounds and nothing_left(folder.path, steps):
-        raise InputError(
-            f"the run has {done * size} steps already, in rounds of {size}: give --steps above "
-            "that to go on"
-        )
-    card = begin(folder, card, resume=bool(checkpoint))
-    evaluations = Evaluations(folder, card, options, done * size)
-
-    def keep_if_best(steps: int, network: Network) -> None:
-        """Evaluates the student, and keeps its policy if it is the best so far."""
-        scores = None
-        if evaluations.wanted:
-            scores = evaluations.add(steps, network)
-            messages.print(report(scores))
-        if scores is None or evaluations.last_is_best:
-            filled = {"training": {**training, "done": steps}, "scores": scores}
-            note_missing(write_own(folder, files_of(card.model_copy(update=filled), network)))
-        evaluations.write()  # the last file: without it, the evaluation is done again
-
-    def due(done: int) -> bool:
-        """Returns whether there is an evaluation after some rounds, which is not done yet."""
-        last = evaluations.results[-1]["steps"] if evaluations.results else 0
-        fifth = done > 0 and done % max(1, rounds // 5) == 0
-        return (fifth or done == rounds) and done * size > last
-
-    with threads(torch_threads), progress(f"student of {teacher} on {env}", rounds) as bar:
-        if due(done):  # stopped before it was done
-            keep_if_best(done * size, student.network())
-        while done < rounds:
-            seeds = training_seeds(training["seed"], training["rows"], part=done)
-            kept.append(lesson.round(student.network() if done else None, seeds))
-            student.learn(kept)
-            done += 1
-            bar.move_to(done)
-            note_missing(write_own(folder, {CHECKPOINT: _content(student, kept, done)}))
-            if due(done):
-                keep_if_best(done * size, student.network())
-    end(folder, card, done * size, evaluations, "student")
-    return done * size
+    teacher, seed, rows = training["teacher"], training["seed"], training["rows"]
+    lesson = _Lesson(env, {**run.options, **own}, teacher, rows)
+    size = rows * lesson.periods  # steps of a round
+    student = _Student(lesson.size, lesson.motors, seed)
+    if run.checkpoint is not None:
+        student.restore(run.checkpoint, run.folder / CHECKPOINT)
+    run = run.begun(EVALUATIONS)
+    evaluations = Evaluations(run, student.rounds * size)
+    rounds = run.rounded(size, f"rounds of {size}") // size
+    with progress(f"student of {teacher} on {env}", rounds) as bar:
+        while True:
+            done = student.rounds
+            due = done >= rounds or (done > 0 and done % max(1, rounds // EVERY) == 0)
+            if due and (done * size > evaluations.last or not evaluations.wanted):
+                evaluations.add(done * size, student.network())
+            if done >= rounds:
+                break
+            seeds = training_seeds(seed, rows, part=done)
+            student.learn(lesson.round(student.network() if done else None, seeds))
+            bar.move_to(student.rounds)
+            run.write({CHECKPOINT: student.content()})
+    write_report_of(run, student.rounds * size, evaluations, "student")
+    return student.rounds * size
 
 
-def _content(student: "_Student", kept: deque[tuple[Samples, Samples]], rounds: int) -> bytes:
-    """Returns a checkpoint after some rounds: an archive of NumPy, which holds numbers only."""
-    import torch
-
-    last = [*kept][1 - LAST :]  # the next round replaces the one before them
-    content: dict[str, Any] = student.numbers() | {"random": torch.get_rng_state().numpy()}
-    for i, pair in enumerate(last):
-        content |= {f"{what}.{i}": one for what, one in zip(PAIR, pair, strict=True)}
-    file = io.BytesIO()
-    np.savez(file, rounds=rounds, **content)
-    return file.getvalue()
-
-
-def _go_back(
-    student: "_Student", kept: deque[tuple[Samples, Samples]], checkpoint: Checkpoint
-) -> int:
-    """Restores what `_content` has kept; returns the number of rounds."""
-    import torch
-
-    try:
-        with np.load(io.BytesIO(checkpoint.learner), allow_pickle=False) as file:
-            found = dict(file)
-        student.restore(found)
-        rounds = int(found["rounds"])
-        for i in range(min(rounds, LAST - 1)):
-            seen, wished = (found[f"{what}.{i}"] for what in PAIR)
-            student.check(seen, wished)
-            kept.append((seen, wished))
-        torch.set_rng_state(torch.from_numpy(found["random"]))
-    except Exception as error:  # a damaged file fails wherever it is damaged
-        raise unreadable(checkpoint.path, error) from error
-    return rounds
-
-
-class Lesson:
-    """Rows of arms that show both a student and its teacher what each may see.
-
-    Args:
-        env: Id of the environment.
-        options: Options of the student's environment.
-        teacher: Specification of the teacher.
-        rows: Number of rows.
-
-    Attributes:
-        periods: Number of control periods of a round.
-        size: Number of values that the student observes.
-        motors: Number of motors.
-    """
+class _Lesson:
+    """Rows of arms that show both a student and its teacher what each may see."""
 
     def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:
         theirs = {**options, **{"history": 1}, **needed_options(teacher)}
@@ -180,16 +93,11 @@ class Lesson:
         self._mine, self._theirs = (_columns(env, one, layout, size) for one in (mine, theirs))
         plant = _plant(env, theirs)
         self._teacher = make_policy(teacher, plant)
-        self.periods = round(self._arms.duration / self._arms.control_dt)
+        self.periods = round(self._arms.duration / self._arms.control_dt)  # of a round
         self.size, self.motors = self._mine.size, plant.motors
 
-    def round(self, student: Network | None, seeds: list[int]) -> tuple[Samples, Samples]:
-        """Returns what the student saw, and what the teacher would have done, sample by sample.
-
-        Args:
-            student: Student that acts; None lets the teacher act.
-            seeds: Seed of each row.
-        """
+    def round(self, student: Network | None, seeds: list[int]) -> Samples:
+        """Returns samples of one motion in each row, in which the student acts, if there is one."""
         seen, wished = [], []
         observation, _ = self._arms.reset(seed=seeds)
         self._teacher.reset()
@@ -222,25 +130,32 @@ def _columns(
 
 
 class _Student:
-    """A network of two layers, and what teaches it."""
+    """A network of two layers, what teaches it, and the samples of its last rounds."""
 
-    def __init__(self, size: int, motors: int) -> None:
-        from torch import nn, optim
+    def __init__(self, size: int, motors: int, seed: int) -> None:
+        import torch
+        from torch import nn
 
-        self._shape = (size, motors)
+        torch.manual_seed(seed)
+        self._seed, self.rounds = seed, 0
         sizes = (size, *LAYERS)
         layers: list[Any] = []
         for before, after in pairwise(sizes):
             layers += [nn.Linear(before, after), nn.Tanh()]
         self._layers = nn.Sequential(*layers, nn.Linear(sizes[-1], motors))
-        self._optimizer = optim.Adam(self._layers.parameters(), lr=RATE)
+        self._optimizer = torch.optim.Adam(self._layers.parameters(), lr=RATE)
+        self._kept: deque[Samples] = deque(maxlen=LAST)
 
-    def learn(self, kept: deque[tuple[Samples, Samples]]) -> None:
+    def learn(self, samples: Samples) -> None:
         """Moves the network towards the teacher's actions, by their squared differences."""
         import torch
 
-        seen = torch.from_numpy(np.concatenate([one for one, _ in kept]))
-        wished = torch.from_numpy(np.concatenate([one for _, one in kept]))
+        torch.manual_seed(training_seeds(self._seed, 1, part=self.rounds)[0])
+        self._kept.append(samples)
+        self.rounds += 1
+        seen, wished = (
+            torch.from_numpy(np.concatenate(one)) for one in zip(*self._kept, strict=True)
+        )
         for _ in range(EPOCHS):
             for batch in torch.randperm(len(seen)).split(BATCH):
                 loss = ((self._layers(seen[batch]) - wished[batch]) ** 2).mean()
@@ -250,37 +165,31 @@ class _Student:
 
     def network(self) -> Network:
         """Returns the network as NumPy runs it."""
-        from ...envs.policies.saving import layers_of
-
         return Network(layers_of(self._layers), "tanh", squashed=False)
 
-    def numbers(self) -> dict[str, NDArray[Any]]:
-        """Returns the numbers of the layers and of their optimizer, by name."""
-        found = {f"layers.{name}": one for name, one in self._layers.state_dict().items()}
-        for i, state in self._optimizer.state_dict()["state"].items():
-            found |= {f"optimizer.{i}.{name}": one for name, one in state.items()}
-        return {name: one.numpy() for name, one in found.items()}
-
-    def restore(self, numbers: Mapping[str, NDArray[Any]]) -> None:
-        """Restores what `numbers` has returned; other numbers raise some exception."""
+    def content(self) -> bytes:
+        """Returns a checkpoint; the next round replaces the oldest samples, which it is without."""
         import torch
 
-        layers = {name: f"layers.{name}" for name in self._layers.state_dict()}
-        self._layers.load_state_dict(
-            {name: torch.from_numpy(numbers[key]) for name, key in layers.items()}
-        )
-        states = {}
-        for i, weights in enumerate(self._layers.parameters()):
-            shapes = {"step": (), "exp_avg": weights.shape, "exp_avg_sq": weights.shape}
-            states[i] = {
-                name: torch.from_numpy(numbers[f"optimizer.{i}.{name}"]).reshape(shape)
-                for name, shape in shapes.items()
-            }
-        groups = self._optimizer.state_dict()["param_groups"]
-        self._optimizer.load_state_dict({"state": states, "param_groups": groups})
+        kept = [*self._kept][1 - LAST :]
+        found = {
+            "rounds": self.rounds,
+            "layers": self._layers.state_dict(),
+            "optimizer": self._optimizer.state_dict(),
+            "kept": [[torch.from_numpy(one) for one in pair] for pair in kept],
+        }
+        torch.save(found, file := io.BytesIO())
+        return file.getvalue()
 
-    def check(self, seen: Samples, wished: Samples) -> None:
-        """Raises ValueError unless samples are of this student."""
-        shapes = tuple((len(seen), size) for size in self._shape)
-        if (seen.shape, wished.shape) != shapes:
-            raise ValueError(f"samples have the shapes {seen.shape} and {wished.shape}")
+    def restore(self, content: bytes, path: Path) -> None:
+        """Restores what `content` has returned, which holds numbers only."""
+        import torch
+
+        try:
+            found = torch.load(io.BytesIO(content), weights_only=True)
+            self._layers.load_state_dict(found["layers"])
+            self._optimizer.load_state_dict(found["optimizer"])
+            self.rounds = int(found["rounds"])
+            self._kept.extend((seen.numpy(), wished.numpy()) for seen, wished in found["kept"])
+        except Exception as error:  # a damaged file fails wherever it is damaged
+            raise unreadable(path, error) from error

@@ -1,13 +1,13 @@
 """Learning algorithms by name, and their hyperparameters, from files in the syntax of rl-zoo3."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, PositiveInt, TypeAdapter, ValidationError
 
 from ...errors import InputError, install_line, shown, unknown_name
 from ...files import content_of
@@ -21,14 +21,15 @@ ALGORITHMS = {
 DEFAULT = "default"  # what applies to environments that a file does not name
 NETWORKS = "policy_kwargs"  # arguments of the networks, a hyperparameter of several parts
 LARGEST = 1_000_000  # bytes
-_COUNTS = ("n_envs", "n_timesteps")
-_POSITIVE = (
-    *(*_COUNTS, "n_steps", "batch_size", "n_epochs", "train_freq", "buffer_size"),
-    "target_update_interval",
-)
-_SHARES = ("gamma", "gae_lambda", "tau")  # from 0 to 1
-_CONFIG = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
 _OURS = ("env", "seed", "device", "tensorboard_log", "verbose", "_init_setup_model")
+_COUNTS = ("n_envs", "n_timesteps")
+_Share = Annotated[float, Field(ge=0, le=1)]
+_KINDS: dict[str, Any] = {  # where the algorithm declares a wider type
+    **dict.fromkeys((*_COUNTS, "n_steps", "batch_size", "n_epochs", "buffer_size"), PositiveInt),
+    **dict.fromkeys(("gamma", "gae_lambda", "tau"), _Share),
+    "train_freq": PositiveInt | tuple[PositiveInt, Literal["step"]],  # episodes end at any time
+}
+_CONFIG = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
 _LINEAR = "lin_"  # prefix of a number that falls to 0 at the end of the training
 
 
@@ -69,22 +70,7 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
     if not isinstance(given, dict):
         raise InputError(f"{str(path)!r} has neither {env!r} nor 'default': name one of them")
     given = checked(algo, given, str(path))
-    networks = given.get(NETWORKS)
-    if isinstance(networks, dict):
-        given[NETWORKS] = {**usual[NETWORKS], **networks}
-    return {**usual, **given}
-
-
-def _with_numbers(value: Any) -> Any:
-    """Returns a value with numbers in place of texts such as 3e-4, which YAML 1.1 takes for one."""
-    if isinstance(value, dict):
-        return {name: _with_numbers(one) for name, one in value.items()}
-    if isinstance(value, list):
-        return [_with_numbers(one) for one in value]
-    try:
-        return float(value) if isinstance(value, str) else value
-    except ValueError:
-        return value
+    return {**usual, **given, NETWORKS: {**usual[NETWORKS], **(given.get(NETWORKS) or {})}}
 
 
 def _read(content: bytes, name: str) -> dict[str, Any]:
@@ -107,9 +93,6 @@ def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
         algo: Name of the algorithm.
         given: Hyperparameters by name.
         where: Place that they are from, for messages.
-
-    Raises:
-        InputError: They have no names, or one is unknown or of the wrong type.
     """
     if not isinstance(given, Mapping):
         raise InputError(f"the hyperparameters in {where!r} are {shown(given)}: name each one")
@@ -119,40 +102,34 @@ def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
     for name, value in given.items():
         if name not in known:
             raise unknown_name(f"hyperparameter of {algo} in {where!r}", name, known)
-        kind = int if name in _COUNTS else taken[name].annotation
         number = _with_numbers(value)
+        kind = _KINDS.get(name) or taken[name].annotation
         try:
             typed = TypeAdapter(kind, config=_CONFIG).validate_python(_schedule(number))
         except ValidationError as error:
-            reason = error.errors()[0]["msg"]
+            mistake = error.errors()[0]["msg"]
             raise InputError(
-                f"{name} in {where!r} is {shown(value)}: {reason[0].lower()}{reason[1:]}"
+                f"{name} in {where!r} is {shown(value)}: {mistake[0].lower()}{mistake[1:]}"
             ) from error
-        mistake = _mistake(name, value, typed)
-        if mistake:
-            raise InputError(f"{name} in {where!r} is {shown(value)}: {mistake}")
         found[name] = number if callable(typed) else typed
     return found
 
 
-def _mistake(name: str, value: Any, typed: Any) -> str:
-    """Returns what to use in place of a hyperparameter of the right type; empty if it is right."""
-    if isinstance(value, bool) and not isinstance(typed, bool):
-        return "use a number"
-    if name in _SHARES and not 0 <= typed <= 1:
-        return "use a number from 0 to 1"
-    count, unit = typed if isinstance(typed, tuple) else (typed, "step")  # a tuple of train_freq
-    if unit != "step":
-        return "use a number of steps, as episodes end at any time in some of the arms"
-    if name in _POSITIVE and isinstance(count, int) and count < 1:
-        return "use a whole number of at least 1"
-    return ""
+def _with_numbers(value: Any) -> Any:
+    """Returns a value with numbers in place of texts such as 3e-4, which YAML 1.1 takes for one."""
+    if isinstance(value, dict):
+        return {name: _with_numbers(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_with_numbers(one) for one in value]
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
 
 
 def arguments(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the arguments of an algorithm, with schedules as functions of what is left."""
-    mine = {name: value for name, value in settings.items() if name not in ("policy", *_COUNTS)}
-    return {name: _schedule(value) for name, value in mine.items()}
+    return {name: _schedule(one) for name, one in settings.items() if name not in _COUNTS}
 
 
 def _schedule(value: Any) -> Any:
@@ -162,8 +139,4 @@ def _schedule(value: Any) -> Any:
         begin = float(value.removeprefix(_LINEAR))
     except ValueError:
         raise InputError(f"the schedule is {value!r}: write it as lin_3e-4") from None
-    return _falling(begin)
-
-
-def _falling(begin: float) -> Callable[[float], float]:
     return lambda left: left * begin

@@ -1,287 +1,146 @@
-"""One training: from a card to a learner that has done all steps, or was stopped."""
+"""The run of a training: its folder, and which of the files are of this machine."""
 
-from contextlib import closing, suppress
+import math
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from ...assets import load_suit, suit_names
-from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, files_of, read_card
+from ...envs.policies.network import CARD, WEIGHTS, Card, card_file, read_card
 from ...envs.policies.trained import OWN_SUIT
 from ...errors import InputError
-from ..html.writing import PAGE
-from ..output import Bar, RunFolder, messages, progress
-from ..reports.learning import learning_figure
-from .checkpoints import (
-    CHECKPOINT,
-    Checkpoint,
-    begin_as_before,
-    note_missing,
-    resumed_learner,
-    save,
-    write_own,
-)
-from .evaluations import EVALUATIONS, Evaluations, finished, nothing_left, relief_text
-from .learners import (
-    check_finite,
-    new_learner,
-    threads,
-    training_environments,
-    training_seeds,
-)
-from .page import advice, write_training_page
+from ..folders import RunFolder
+from ..output import messages
+from ..own_files import is_own, note, notes_folder
+from ..writer import PAGE
 
-CHECKPOINTS = 10  # number per run
-JUDGED = 200  # control periods after which the reward of a new training is judged
-TRAINING_ONLY = ("reward", "randomize", "control")  # options that evaluations are without
+CHECKPOINT = "model.zip"
 RENEWED = ("steps", "patience")  # what may be new in a resume
 
 
-def learn(
-    folder: RunFolder,
-    card: Card,
-    options: dict[str, Any],
-    checkpoint: Checkpoint | None,
-    torch_threads: int,
-) -> int:
-    """Trains until all steps are done; returns how many were done.
+def read_checkpoint(out: Path, *, trust: bool) -> bytes:
+    """Returns the checkpoint of a run, without looking into it.
 
     Args:
+        out: Folder of the run.
+        trust: True to take a file that this machine did not write.
+
+    Raises:
+        InputError: The file is missing, or was not written on this machine.
+    """
+    path = out / CHECKPOINT
+    if not path.is_file():
+        raise InputError(
+            f"{str(out)!r} holds no {CHECKPOINT} to resume: train without --resume first"
+        )
+    content = path.read_bytes()
+    if not trust and not is_own(content):
+        raise InputError(
+            f"{str(path)!r} was not written by you on this machine, and to resume it runs "
+            "whatever code it holds: add --trust if you trust whoever made it, or train anew"
+        )
+    return content
+
+
+def refuse_trained(out: Path) -> None:
+    """Refuses a folder in which a training or a policy would be lost."""
+    if (out / CHECKPOINT).exists():
+        raise InputError(
+            f"{str(out)!r} holds a trained run: add --resume to go on, --force to begin anew, or "
+            "choose another --out"
+        )
+    if (out / WEIGHTS).exists():
+        raise InputError(
+            f"{str(out)!r} holds a trained policy: add --force to replace it, or choose another "
+            "--out"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """A training in its folder.
+
+    Attributes:
         folder: Folder of the run.
         card: Card of the policy, whose `training` has all that describes the training.
         options: Options of the environment.
         checkpoint: Checkpoint from which the training continues; None begins anew.
-        torch_threads: Number of threads of torch.
-    """
-    env, training = card.environment["env"], card.training
-    algo, seed, steps = training["algo"], training["seed"], training["steps"]
-    own = {name: training[name] for name in TRAINING_ONLY if name in training}
-    with (
-        threads(torch_threads),
-        closing(
-            training_environments(env, training["rows"], {**options, **own}, card.residual)
-        ) as environments,
-    ):
-        if checkpoint:
-            learner = resumed_learner(algo, environments, checkpoint)
-        else:
-            learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
-        environments.seed(training_seeds(seed, training["rows"]))  # the learner has set its own
-        done = learner.num_timesteps
-        if done >= steps and nothing_left(folder.path, steps):
-            raise InputError(f"the run has {done} steps already: give --steps above that to go on")
-        had_ended = finished(folder.path)
-        card = begin(folder, card, resume=bool(checkpoint))
-        run = _Run(learner, folder, card, options, had_ended=had_ended)
-        interrupted = False
-        with progress(f"{algo} on {env}", steps) as bar:
-            try:
-                with suppress(_PlateauError):
-                    learner.learn(
-                        steps - done,
-                        callback=_callback(run, bar),
-                        reset_num_timesteps=not checkpoint,
-                        tb_log_name=algo,
-                    )
-            except KeyboardInterrupt:
-                interrupted = True
-            except ValueError:  # of torch, if the numbers of the network are not finite
-                check_finite(learner)
-                raise
-            run.checkpoint(evaluate=not interrupted)
-    if interrupted:
-        raise KeyboardInterrupt(
-            f"{learner.num_timesteps} steps are kept in {folder.path}; go on with --resume"
-        )
-    end(folder, card, learner.num_timesteps, run.evaluations, algo)
-    for sentence in advice(card, run.evaluations.results):
-        messages.print(f"note: {sentence}")
-    return learner.num_timesteps
-
-
-class _PlateauError(Exception):
-    """The training ends, as its evaluations are no better any more."""
-
-
-class _Run:
-    """What happens between updates of a learner: checkpoints, and evaluations at each.
-
-    Args:
-        learner: The learner.
-        folder: Folder of the run.
-        card: Card of the policy.
-        options: Options of the environment.
-        had_ended: Whether the training had come to an end, perhaps on a plateau, and goes on.
     """
 
-    def __init__(
-        self,
-        learner: Any,
-        folder: RunFolder,
-        card: Card,
-        options: dict[str, Any],
-        *,
-        had_ended: bool,
-    ) -> None:
-        self._learner, self._folder, self._card = learner, folder, card
-        done = learner.num_timesteps
-        self.evaluations = Evaluations(folder, card, options, done)
-        self._every = max(1, card.training["steps"] // CHECKPOINTS)
-        results, wanted = self.evaluations.results, self.evaluations.wanted
-        self._evaluated = results[-1]["steps"] if results else 0  # steps at the last evaluation
-        self._kept = done if done else -1  # steps of the last checkpoint
-        last = self._evaluated if wanted else done  # an evaluation that was stopped is still due
-        self._next = self._every * (last // self._every + 1)
-        self._plateau = not had_ended and self._stagnant()
-        self.resumed = done > 0  # until the next rollout begins
-        self._begun = False  # whether a rollout has begun, and no step of it is done
+    folder: RunFolder
+    card: Card
+    options: dict[str, Any]
+    checkpoint: bytes | None = None
 
-    def between_updates(self) -> None:
-        """Makes a checkpoint where one is due.
+    def begun(self, *others: str) -> Self:
+        """Writes the card, and a copy of the suit file if there is one; returns the run with both.
 
-        Raises:
-            _PlateauError: The training is to end.
-        """
-        if self.resumed:
-            begin_as_before(self._learner)
-            self.resumed = False
-        self._begun = True
-        if self._learner.num_timesteps >= self._next:
-            self._next += self._every
-            self.checkpoint()
-        if self._plateau:
-            raise _PlateauError
-
-    def stepped(self) -> None:
-        """Notes that a step of the rollout is done."""
-        self._begun = False
-
-    def checkpoint(self, *, evaluate: bool = True) -> None:
-        """Evaluates the policy, and keeps the learner and the best policy so far.
+        In a resume the card of the policy that was kept gets what is new, which holds from now on.
+        The report is removed, as it is the last file of a training that has ended.
 
         Args:
-            evaluate: Whether to evaluate.
+            *others: Names of more files that a new training is without.
         """
-        from ...envs.policies.saving import network_of
+        folder, card, new = self.folder, self.card, self.checkpoint is None
+        for name in (PAGE, CHECKPOINT, WEIGHTS, *others) if new else (PAGE,):
+            folder.remove(name)
+        suit = card.environment["suit"]
+        if suit != "none" and suit not in suit_names():
+            if Path(suit) != folder / OWN_SUIT:
+                with folder.replacing(OWN_SUIT) as scratch:
+                    load_suit(suit).save(scratch)
+            card = card.model_copy(update={"environment": {**card.environment, "suit": OWN_SUIT}})
+        run = replace(self, card=card)
+        if new:
+            run.write({CARD: card_file(card)})
+            return run
+        kept = read_card(folder.path)
+        changes = {name: one for name, one in card.training.items() if name in RENEWED}
+        renewed = kept.model_copy(update={"training": {**kept.training, **changes}})
+        if renewed != kept:
+            run.write({CARD: card_file(renewed)})
+        return run
 
-        check_finite(self._learner)
-        network, steps = network_of(self._learner), int(self._learner.num_timesteps)
-        noted = steps == self._kept or save(self._learner, self._folder, begun=self._begun)
-        self._kept = steps
-        evaluations = self.evaluations
-        if not evaluations.wanted or not (evaluations.results or evaluate):
-            noted &= self._keep(network, steps, None)
-        elif evaluate and steps > self._evaluated:
-            self._evaluated = steps
-            result = evaluations.add(steps, network)
-            self._tell(result)
-            if evaluations.last_is_best:
-                noted &= self._keep(network, steps, result)
-            evaluations.write()  # the last file: without it, the evaluation is done again
-            self._plateau = self._stagnant()
-        note_missing(noted)
+    def write(self, contents: Mapping[str, bytes | Callable[[Path], object]]) -> None:
+        """Writes files that belong together, which take their places at once, and notes them.
 
-    def _stagnant(self) -> bool:
-        patience = self._card.training.get("patience")
-        return bool(patience) and self.evaluations.stagnant(patience)
+        Args:
+            contents: Content of each file, or a function that writes it to a path.
+        """
+        with ExitStack() as all_written:
+            for name, content in contents.items():
+                scratch = all_written.enter_context(self.folder.replacing(name))
+                if isinstance(content, bytes):
+                    scratch.write_bytes(content)
+                else:
+                    content(scratch)
+                # Noted before it is in its place: a run that is killed in between is still ours.
+                if not note(scratch, self.folder / name):
+                    _tell_unnoted()
 
-    def _keep(self, network: Network, steps: int, scores: dict[str, Any] | None) -> bool:
-        training = {**self._card.training, "done": steps}
-        card = self._card.model_copy(update={"training": training, "scores": scores})
-        return write_own(self._folder, files_of(card, network))
+    def rounded(self, part: int, parts: str, done: int = 0) -> int:
+        """Returns the steps of the training in whole parts, and says so where they are more.
 
-    def _tell(self, result: dict[str, Any]) -> None:
-        """Reports an evaluation, on the terminal and to TensorBoard."""
-        messages.print(report(result))
-        relief = result["relief"] or {}
-        logger = self._learner.logger
-        numbers = {name: one for name, one in result.items() if isinstance(one, float)}
-        numbers |= {f"relief_{part}": one for part, one in relief.items()}
-        for name, number in numbers.items():
-            logger.record(f"adapted/{name}", number)
-        logger.dump(result["steps"])
-
-
-def report(result: dict[str, Any]) -> str:
-    """Returns a line about an evaluation."""
-    relief, text = result["relief"], "no relief, as the policy loses arms or the suit costs nothing"
-    if relief is not None:
-        text = f"relief {relief_text(relief)}"
-    return f"{result['steps']} steps: {text}, success {result['success']:.0%}"
-
-
-def judge(reward: float) -> None:
-    """Says what follows where the mean reward of the first control periods is negative."""
-    if reward < 0:
-        messages.print(
-            f"note: the mean reward begins at {reward:.2g}, and an episode that ends early has no "
-            "more of it, so that it may pay to lose the arm: keep the reward above 0, as the "
-            "shipped one is"
-        )
+        Args:
+            part: Steps of a part.
+            parts: Name of the parts.
+            done: Steps that are done.
+        """
+        steps = self.card.training["steps"]
+        total = done + math.ceil(max(0, steps - done) / part) * part
+        if total > max(steps, done):
+            messages.print(f"note: {steps} steps are rounded up to {total}, in whole {parts}")
+        return total
 
 
-def _callback(run: _Run, bar: Bar) -> Any:
-    """Returns a callback that makes checkpoints, logs episodes and moves the progress bar."""
-    from stable_baselines3.common.callbacks import BaseCallback
-
-    class Between(BaseCallback):
-        judged, rewards = run.resumed, 0.0
-
-        def _on_rollout_start(self) -> None:  # between updates, so that a resume can be exact
-            run.between_updates()
-
-        def _on_step(self) -> bool:
-            run.stepped()
-            bar.move_to(self.num_timesteps)
-            self.rewards += self.locals["rewards"].sum()
-            for info in self.locals["infos"]:
-                for name, cost in info.get("episode_costs", {}).items():
-                    self.logger.record_mean(f"arm/{name}", cost)
-            return True
-
-        def _on_rollout_end(self) -> None:
-            if not self.judged and self.num_timesteps >= JUDGED:
-                self.judged = True
-                judge(float(self.rewards) / self.num_timesteps)
-
-    return Between()
+@cache  # once
+def _tell_unnoted() -> None:
+    messages.print(f"note: {notes_folder()} cannot be written, so that --resume will need --trust")
 
 
-def begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
-    """Writes the card, and beside it a copy of the suit file if there is one; returns the card.
-
-    In a resume the card of the policy that was kept gets what is new, which holds from now on. The
-    report is removed, as it is the last file of a training that has ended.
-    """
-    for name in (PAGE,) if resume else (PAGE, CHECKPOINT, WEIGHTS, EVALUATIONS):
-        folder.claim(name).unlink(missing_ok=True)
-    suit = card.environment["suit"]
-    if suit != "none" and suit not in suit_names():
-        if Path(suit) != folder / OWN_SUIT:
-            with folder.replacing(OWN_SUIT) as scratch:
-                load_suit(suit).save(scratch)
-        card = card.model_copy(update={"environment": {**card.environment, "suit": OWN_SUIT}})
-    if not resume:
-        write_own(folder, {CARD: card_file(card)})
-        return card
-    kept = read_card(folder.path)
-    new = {name: one for name, one in card.training.items() if name in RENEWED}
-    renewed = kept.model_copy(update={"training": {**kept.training, **new}})
-    if renewed != kept:
-        write_own(folder, {CARD: card_file(renewed)})
-    return card
-
-
-def end(folder: RunFolder, card: Card, done: int, evaluations: Evaluations, name: str) -> None:
-    """Writes the figure of a training, notes that it has ended, and writes its report.
-
-    Args:
-        folder: Folder of the run.
-        card: Card of the policy.
-        done: Steps of the training.
-        evaluations: Its evaluations.
-        name: Name of the learning curve.
-    """
-    if evaluations.wanted:
-        folder.figure("learning_curve", learning_figure({name: evaluations.results}))
-    evaluations.finish()
-    write_training_page(folder, card, done, evaluations.results)
+def finished(folder: Path) -> bool:
+    """Returns whether the training in a folder is at its end: the report is its last file."""
+    return (folder / CHECKPOINT).is_file() and (folder / PAGE).is_file()

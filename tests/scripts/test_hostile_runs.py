@@ -72,7 +72,7 @@ def test_no_code_of_a_run_is_run(capsys, tmp_path, monkeypatch, foreign, command
 def test_trust_means_what_it_says(capsys, tmp_path, foreign, poison):
     trap = tmp_path / "trap"
     poison(foreign, trap)
-    answer(capsys, "train", "--resume", "--trust", "--steps", "1", "--out", foreign)
+    answer(capsys, "train", "--resume", "--trust", "--steps", "64", "--out", foreign)
     assert trap.exists() == (poison is poison_data)  # PPO has no experience to read
 
 
@@ -153,7 +153,7 @@ def test_a_bomb_in_the_weights(capsys, foreign):
 def test_foreign_experience(capsys, tmp_path):
     run = make_run(tmp_path / "sac", "sac")
     before = json.loads((run / "policy.json").read_text())
-    arguments = ["train", "--resume", "--trust", "--steps", "9", "--out", run]
+    arguments = ["train", "--resume", "--trust", "--steps", "64", "--out", run]
     assert "(\"There is no item named 'replay.pkl' in the archive\")" in answer(capsys, *arguments)
     replace_part(run / "model.zip", "replay.pkl", b"nothing")
     assert "is not a readable checkpoint" in answer(capsys, *arguments)

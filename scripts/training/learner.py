@@ -1,0 +1,204 @@
+"""A learner of Stable-Baselines3: its environments, its begin, and how it goes on, bit for bit."""
+
+import io
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile
+
+import numpy as np
+
+from ...checks import HIGHEST_SEED
+from ...envs.making import make_arms
+from ...envs.policies.network import Residual
+from ...envs.policies.saving import network_of
+from ...errors import InputError, install_line
+from ..folders import RunFolder
+from .hyperparameters import algorithm_class, arguments
+
+REPLAY = "replay.pkl"  # in a checkpoint: the experience of a learner that keeps one
+MONITORED = ("episode_returns", "episode_lengths")
+LSTM_STATES = "_last_lstm_states"
+
+
+def begin_torch(threads: int) -> None:
+    """Makes torch compute with so many threads; says what to install where it is missing."""
+    try:
+        import torch
+    except ImportError as error:
+        raise InputError(
+            "training needs torch: use `make train` in a clone of the repository, or "
+            f"{install_line('train')}"
+        ) from error
+    torch.set_num_threads(threads)
+
+
+def training_seeds(seed: int, count: int, part: int = 0) -> list[int]:
+    """Returns seeds for a part of a training, which no other part or training has.
+
+    With Gymnasium's own, where row i has seed + i, the trainings 0 and 1 would meet the same
+    motions and persons in all rows but one.
+
+    Args:
+        seed: Seed of the training.
+        count: Number of seeds, one for each row of arms.
+        part: Number of the part of the training, where each part begins with new seeds.
+    """
+    drawn = np.random.SeedSequence((seed, part)).generate_state(count, np.uint64)
+    return (drawn & np.uint64(HIGHEST_SEED)).tolist()
+
+
+def training_environments(
+    env: str, rows: int, options: dict[str, Any], residual: Residual | None = None
+) -> Any:
+    """Returns the environments that a learner trains in, as one of Stable-Baselines3.
+
+    Args:
+        env: Id of the environment.
+        rows: Number of arms.
+        options: Options of the environment.
+        residual: Policy that the learner corrects; None if it acts alone.
+    """
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    from ...envs.sb3 import ArmVecEnv, ResidualVecEnv
+
+    arms = make_arms(env, rows, **options, autoreset_mode="SameStep", stagger=True)
+    rows_of_arms: Any = ArmVecEnv(arms)
+    if residual is not None:
+        rows_of_arms = ResidualVecEnv(rows_of_arms, residual.policy, residual.scale)
+    return VecMonitor(rows_of_arms)
+
+
+def new_learner(
+    algo: str, environments: Any, folder: RunFolder, seed: int, settings: dict[str, Any]
+) -> Any:
+    """Returns a learner that knows nothing yet; as a correction it begins at zero."""
+    import torch
+
+    usual = {"env": environments, "seed": seed, "device": "cpu"}
+    usual["tensorboard_log"] = str(folder.subfolder("tensorboard"))
+    try:
+        learner = algorithm_class(algo)(**usual, **arguments(deepcopy(settings)))
+    except InputError:
+        raise
+    except Exception as error:  # whatever a value of the wrong kind leads to
+        raise InputError(
+            f"{algo} refuses its hyperparameters ({type(error).__name__}: {error}): change the file"
+        ) from error
+    network_of(learner)  # reports one of which no policy can be made
+    if _residual(environments):
+        policy = learner.policy
+        last = policy.actor.mu if hasattr(policy, "actor") else policy.action_net
+        with torch.no_grad():
+            last.weight.zero_()
+            last.bias.zero_()
+    return learner
+
+
+def check_finite(learner: Any) -> None:
+    """Checks the numbers of a learner's networks."""
+    import torch
+
+    if not all(torch.isfinite(one).all() for one in learner.policy.parameters()):
+        raise InputError(
+            f"the training diverged within {learner.num_timesteps} steps, as numbers of its "
+            "network are not finite: use a smaller learning_rate"
+        )
+
+
+def update_length(learner: Any) -> int:
+    """Returns the number of steps from an update of a learner to the next."""
+    return learner.n_envs * (getattr(learner, "n_steps", None) or learner.train_freq.frequency)
+
+
+def draw_anew(learner: Any, seed: int) -> None:
+    """Makes all that is drawn until the next update follow from the seed and the steps so far.
+
+    So a learner that goes on draws what one that was not stopped draws.
+
+    Args:
+        learner: The learner.
+        seed: Seed of the training.
+    """
+    drawn = np.random.SeedSequence((seed, learner.num_timesteps)).generate_state(1)
+    learner.set_random_seed(int(drawn[0]))
+    if getattr(learner, "use_sde", False):  # the noise of the next rollout is drawn already
+        learner.policy.reset_noise(learner.n_envs)
+
+
+def save_learner(learner: Any, path: Path) -> None:
+    """Writes a learner, its experience, and the state of its arms into one file.
+
+    Args:
+        learner: The learner, between two control periods.
+        path: Path of the file.
+    """
+    monitor, residual = learner.env, _residual(learner.env)
+    learner.memory = {
+        "arms": monitor.unwrapped.arms.get_state(),
+        "monitor": {name: getattr(monitor, name).copy() for name in MONITORED},
+        "residual": residual and residual.get_memory(),
+        LSTM_STATES: getattr(learner, LSTM_STATES, None),
+    }
+    learner.save(path)
+    if hasattr(learner, "save_replay_buffer"):
+        learner.save_replay_buffer(experience := io.BytesIO())
+        with ZipFile(path, "a") as archive:  # one file, so that both are of the same step
+            archive.writestr(REPLAY, experience.getbuffer())
+
+
+def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) -> Any:
+    """Returns the learner of a checkpoint; this runs whatever code the checkpoint holds.
+
+    What it learns next is what it would have learned without the break, to the last bit.
+
+    Args:
+        algo: Name of the algorithm.
+        environments: Environments as those that the learner was trained in.
+        content: Content of the file that `save_learner` wrote.
+        path: Path of the file, for messages.
+    """
+    file = io.BytesIO(content)
+    try:
+        learner = algorithm_class(algo).load(
+            file, env=environments, device="cpu", force_reset=False
+        )
+        if hasattr(learner, "load_replay_buffer"):
+            with ZipFile(file) as archive:
+                learner.load_replay_buffer(io.BytesIO(archive.read(REPLAY)))
+        if (memory := getattr(learner, "memory", None)) is None:
+            learner._last_obs = None  # the file of a learner that has begun no episode
+            return learner
+        environments.reset()
+        arms, state = environments.unwrapped.arms, memory["arms"]
+        # A suit file is in the folder of the run now, which may have moved.
+        state["config"]["suit"] = arms.get_state()["config"]["suit"]
+        arms.set_state(state)
+        for name in MONITORED:
+            getattr(environments, name)[:] = memory["monitor"][name]
+        if memory["residual"]:
+            _residual(environments).set_memory(memory["residual"])
+        setattr(learner, LSTM_STATES, memory[LSTM_STATES])
+    except Exception as error:  # a damaged file fails wherever it is damaged
+        raise unreadable(path, error) from error
+    return learner
+
+
+def unreadable(path: Path, error: Exception) -> InputError:
+    """Returns the message about a checkpoint that cannot be restored.
+
+    Args:
+        path: Path of the checkpoint.
+        error: Exception that its content raises.
+    """
+    reason = next(iter(str(error).splitlines()), type(error).__name__)
+    return InputError(
+        f"{str(path)!r} is not a readable checkpoint ({reason}): restore it, or train again"
+    )
+
+
+def _residual(environments: Any) -> Any:
+    """Returns the layer of environments in which a policy is corrected; None if there is none."""
+    below = getattr(environments, "venv", None)
+    return below if hasattr(below, "residual") else None
