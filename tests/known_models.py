@@ -12,7 +12,7 @@ from activesuit.hysteresis import (
 from activesuit.hysteresis.references import EXAMPLES
 
 ELBOW = TABLE_2["elbow-sa-pso"]
-IN_A_RANGE = Clipped(model=ELBOW, angle_range=(-0.3, 1.2))
+IN_A_RANGE = Clipped(model=ELBOW, angle_range=(0.2, 1.2))
 BEHIND_PLAY = Backlash(model=Asymmetric(model=IN_A_RANGE, polynomial=[0.2, 0.5, -0.1]), gap=0.02)
 RATE = {"damping": 0.3, "relaxation_stiffness": 1.5, "relaxation_time": 0.4}
 KNOWN: dict[str, HysteresisModel] = {
