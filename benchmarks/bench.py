@@ -81,7 +81,7 @@ def bench(
     if worlds and topic != "gpu":
         raise InputError(f"--worlds belongs to gpu, not to {topic}: leave it out")
     if topic == "honesty":
-        folder = RunFolder(out, "bench honesty", force=force) if out else None
+        folder = RunFolder(out, force=force) if out else None
         _count(repeats or (FEW if quick else MANY), seed, folder, json)
         return
     if quick or out is not None or seed or force:
@@ -105,7 +105,7 @@ def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> Non
     found = honesty.honesty(repeats, seed, folder.path if folder else None)
     tables = {f"{title}, {repeats} repeats": rows for title, rows in honesty.tables(found).items()}
     result = {"repeats": repeats, "seed": seed, "cases": found}
-    conclude(result, tables, [], folder=folder, json=json)
+    conclude("bench honesty", result, tables, [], folder=folder, json=json)
 
 
 def _measure(topic: Topic, repeats: int, json: bool) -> None:

@@ -9,6 +9,7 @@ from .text import say
 
 
 def conclude(
+    command: str,
     result: dict[str, Any],
     tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[str]]]],
     remarks: Iterable[str] = (),
@@ -21,6 +22,7 @@ def conclude(
     """Prints the result, as JSON or as tables and remarks; writes it and a report into a folder.
 
     Args:
+        command: Name of the command, for the report.
         result: What result.json holds.
         tables: Header and rows of tables, by title.
         remarks: Sentences, the most important one first.
@@ -37,7 +39,7 @@ def conclude(
         plain = {name: one for name, one in result.items() if not isinstance(one, (dict, list))}
         folder.json("result.json", result)
         write_report(
-            *(folder, folder.command, next(iter(tables))),
+            *(folder, command, next(iter(tables))),
             answer=remarks,
             tables=tables,
             settings=plain if settings is None else settings,

@@ -1,15 +1,15 @@
-"""Run folders: which command a folder of results belongs to, and which files it may replace.
+"""Run folders: a command writes into a new or an empty folder, or into any one with `--force`.
 
-A command writes into a new or an empty folder, or into one that it made before: the file
-`.activesuit` in it names the command, and the files that this has written, which alone it replaces.
-Anything else needs `--force`. While a command runs, no other one writes into its folder.
+Every file is written beside its place and renamed, so that a killed command leaves whole files.
+While a command runs, no other one writes into its folder.
 """
 
 import csv
 import io
 import json
 import math
-import shutil
+import os
+import sys
 import tempfile
 import weakref
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,11 +20,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..files import check_target, move, remove_leftovers, replacing, scratch_prefix
-from .record import Record
+from ..files import check_target, replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+FEW = 3  # names of files in a sentence
 
 
 class RunFolder:
@@ -32,24 +33,19 @@ class RunFolder:
 
     Args:
         path: Path of the folder, which is made if it does not exist.
-        command: Name of the command that writes; "" for a folder inside another run folder, of
-            which no record is kept.
-        force: True to write into a folder of another command, and over files that are there.
+        force: True to write into a folder that holds files, and over them.
+        resumes: True if the folder holds what the command has begun and goes on with.
 
     Attributes:
         path: Path of the folder.
-        command: Name of the command that writes.
-        own: Whether this command has written into it before.
 
     Raises:
-        InputError: The folder cannot be created or written, holds something else, or another
-            process writes into it.
+        InputError: The folder cannot be created or written, holds something, or another process
+            writes into it.
     """
 
-    def __init__(self, path: Path, command: str = "", *, force: bool = False) -> None:
-        self.path, self.command = path, command
-        self._force = force or not command
-        self._record = None
+    def __init__(self, path: Path, *, force: bool = False, resumes: bool = False) -> None:
+        self.path = path
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: give the folder itself as --out")
         self._made = [one for one in (path, *path.parents) if not one.exists()]
@@ -61,43 +57,39 @@ class RunFolder:
                 f"cannot make the folder {str(path)!r} ({reason}): choose another --out"
             ) from error
         try:
-            if command:
-                self._record = Record(path, command, force)
+            names = sorted(name for name in os.listdir(path) if not name.startswith("."))
             tempfile.TemporaryFile(dir=path).close()
+            self._lock = _Lock(path)
         except OSError as error:
             raise InputError(
                 f"cannot write into {str(path)!r} ({error.strerror}): choose another --out"
             ) from error
-        self.own = self._record is not None and self._record.own
-        remove_leftovers(path)
+        if names and not (force or resumes):
+            shown = ", ".join(names[:FEW]) + (", ..." if len(names) > FEW else "")
+            raise InputError(
+                f"{str(path)!r} holds files ({shown}): choose another --out, or add --force to "
+                "write there"
+            )
         _OPEN.add(self)
 
     def close(self) -> None:
         """Lets other processes write into the folder; removes it if it is new and still empty."""
-        if self._record is not None and self._record.close():
-            with suppress(OSError):
-                for made in self._made:
-                    made.rmdir()
+        self._lock.end()
+        with suppress(OSError):
+            for made in self._made:
+                made.rmdir()
 
     def __truediv__(self, name: str) -> Path:
         return self.path / name
 
     def claim(self, name: str) -> Path:
-        """Returns the path of a file that the command is about to write, and puts it on record.
+        """Returns the path of a file that the command is about to write.
 
         Raises:
-            InputError: A link or a folder is there, or a file that the command has not written.
+            InputError: A link or a folder is there.
         """
-        path = self.path / name
-        ours = self._force or (self._record is not None and name in self._record.names)
-        check_target(path, force=True)
-        if not ours and path.exists():
-            raise InputError(
-                f"{str(path)!r} was not written by this command: choose another --out, or add "
-                "--force to replace it"
-            )
-        self._note(name)
-        return path
+        check_target(self.path / name)
+        return self.path / name
 
     def subfolder(self, name: str) -> Path:
         """Makes a folder in this one, unless it is there; returns its path.
@@ -108,45 +100,19 @@ class RunFolder:
         path = self.path / name
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: remove it, or choose another --out")
-        self._note(name)
         try:
             path.mkdir(exist_ok=True)
         except OSError as error:
             raise InputError(
                 f"cannot make the folder {str(path)!r} ({error.strerror}): choose another --out"
             ) from error
-        remove_leftovers(path)
         return path
 
     @contextmanager
     def replacing(self, name: str) -> Iterator[Path]:
         """Yields the path of a scratch file, which becomes `name` if the block succeeds."""
-        with replacing(self.claim(name)) as scratch:
+        with replacing(self.path / name) as scratch:
             yield scratch
-
-    @contextmanager
-    def together(self, kept: str | None = None) -> Iterator["RunFolder"]:
-        """Yields a folder whose files move into this one at the end of the block, if it succeeds.
-
-        So the results of an earlier run stay together until all of the new ones are there.
-
-        Args:
-            kept: Name of a new folder in this one that keeps the files when Ctrl-C ends the block;
-                by default they are removed.
-        """
-        scratch = Path(tempfile.mkdtemp(dir=self.path, prefix=scratch_prefix()))
-        try:
-            yield RunFolder(scratch)
-            finished = sorted(scratch.iterdir())
-            for path, target in [(path, self.claim(path.name)) for path in finished]:
-                move(path, target)
-        except KeyboardInterrupt:
-            if kept:
-                for path in sorted(scratch.iterdir()):
-                    move(path, self.subfolder(kept) / path.name)
-            raise
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
 
     def json(self, name: str, content: Any) -> None:
         """Writes `content` as JSON."""
@@ -178,9 +144,28 @@ class RunFolder:
         with self.replacing(f"{name}.png") as scratch:
             imsave(scratch, pixels, format="png")
 
-    def _note(self, name: str) -> None:
-        if self._record is not None:
-            self._record.add(name)
+
+class _Lock:
+    """The lock of a folder for this process, where the system has such."""
+
+    def __init__(self, path: Path) -> None:
+        self.end = lambda: None
+        if sys.platform == "win32":
+            return
+        import fcntl
+
+        descriptor = os.open(path, os.O_RDONLY)
+        self.end = weakref.finalize(self, os.close, descriptor)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.end()
+            raise InputError(
+                f"another command writes into {str(path)!r}: wait until it ends, or choose "
+                "another --out"
+            ) from None
+        except OSError:  # a file system without locks
+            return
 
 
 _OPEN: weakref.WeakSet[RunFolder] = weakref.WeakSet()

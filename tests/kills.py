@@ -53,13 +53,13 @@ class Command:
 
 
 def same(*arguments: str) -> Command:
-    """Returns a command that is run again as it was."""
-    return Command([*arguments], [*arguments])
+    """Returns a command that is run again over what it wrote."""
+    return Command([*arguments], [*arguments, "--force"])
 
 
 COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
-    "benchmark": same("benchmark", "run", *SMALL),
+    "benchmark": Command(["benchmark", "run", *SMALL], ["benchmark", "run", *SMALL]),
     "demo": same("demo", "--trials", "2", "--episodes", "8"),
     "train": Command([*TRAIN, "--steps", "8192"], [*TRAIN, "--steps", "16384", "--resume"]),
     "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),
@@ -183,8 +183,8 @@ class Attack:
         return f"{said}: exit code {process.returncode}", wrong
 
     def _next_run(self, command: Command, folder: Path, kept: Counter[str]) -> tuple[int, str]:
-        whole = bool(kept["model.zip"] or kept[command.file])
-        arguments = command.again if whole else command.first
+        begun = kept["model.zip"] if "--resume" in command.again else True
+        arguments = command.again if begun else [*command.first, "--force"]
         if kept["steps"] >= 16384:
             arguments = [*TRAIN, "--steps", "24576", "--resume"]
         return finish(arguments, command, folder)

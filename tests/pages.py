@@ -106,7 +106,7 @@ def checked_page(folder: Path) -> Page:
 def evil_run(folder, names=EVIL):
     """Writes a report in which everything that a user can name has one of these names."""
     angles = (0.5, 1.0, 1.5, 1.0, 0.5)
-    run = RunFolder(folder, "rig")
+    run = RunFolder(folder)
     run.csv(FILE, HEADER, ([name, name, "fit", x, x**2, x, 0, 2] for name in names for x in angles))
     write_report(
         *(run, "rig", " ".join(names)),

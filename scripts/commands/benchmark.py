@@ -38,7 +38,7 @@ from ..runs import refuse_observed
 from ..settings import settings
 
 What = Literal["run", "table", "compare"]
-TRIALS = "trials"
+TRIALS, CONFIG = "trials", "config.json"
 BY_TASK = "by task"
 WIDEST = 8  # columns of a table by task that is printed; wider ones are in tables.md
 
@@ -114,11 +114,11 @@ def benchmark(
         _report(found, folder, json, {**_config(chosen), "backend": backend})
         return
     found = read_results(results)
-    folder = RunFolder(out, f"benchmark-{what}", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     if what == "table":
         if folder:
             folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {"results": results})
+        _report(found, folder, json, {"results": results}, "benchmark-table")
     else:
         _compare(Standings(found), policies or (BASELINE,), json)
 
@@ -155,6 +155,7 @@ def _report(
     folder: RunFolder | None,
     json: bool,
     settings: dict[str, Any],
+    command: str = "benchmark",
 ) -> None:
     standings = Standings(found)
     scores = benchmark_says(found)
@@ -164,7 +165,7 @@ def _report(
         folder.text("tables.md", page(standings, title, "profiles.png", scores))
         folder.figure("profiles", profile_figure(standings))
         write_report(
-            *(folder, folder.command, f"{standings.count} trials"),
+            *(folder, command, f"{standings.count} trials"),
             answer=best_policies(standings),
             tables=tables,
             settings={**settings, **standings.protocol},
@@ -217,21 +218,18 @@ def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> Non
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """Opens the folder of a new benchmark, or of one that goes on."""
-    folder = RunFolder(out, "benchmark", force=force)
-    folder.subfolder(TRIALS)
-    wanted = _config(chosen)
-    path = folder / "config.json"
+    wanted, path = _config(chosen), out / CONFIG
     present = read_json(path, "configuration of the benchmark") if path.exists() else None
-    if present is None:
-        folder.json("config.json", wanted)
-    elif present != wanted:
-        names = {**wanted, **present} if isinstance(present, dict) else {}
-        given = present if isinstance(present, dict) else {}
-        name = next((n for n in names if given.get(n) != wanted.get(n)), "configuration")
+    begun = isinstance(present, dict) and "contract" in present
+    folder = RunFolder(out, force=force, resumes=begun)
+    if begun and present != wanted:
+        name = next(n for n in {**wanted, **present} if present.get(n) != wanted.get(n))
         raise InputError(
-            f"{str(out)!r} holds a benchmark whose {name} is {shown(given.get(name))}, not "
+            f"{str(out)!r} holds a benchmark whose {name} is {shown(present.get(name))}, not "
             f"{shown(wanted.get(name))}: choose another --out, or go on with its own options"
         )
+    folder.json(CONFIG, wanted)  # the first file, by which the benchmark is known again
+    folder.subfolder(TRIALS)
     return folder
 
 

@@ -1,6 +1,5 @@
 """`activesuit demo`: from measured loops to a compensated arm motion, in one command."""
 
-import itertools
 from pathlib import Path
 from typing import Any
 
@@ -47,49 +46,35 @@ def demo(
 ) -> None:
     """Do the whole job once: identify, simulate, compensate, report.
 
-    The curves are synthetic, made from the published parameters; see the README. The results of an
-    earlier demo are replaced when all of the new ones are there; Ctrl-C before that keeps both.
+    The curves are synthetic, made from the published parameters; see the README.
 
     Args:
         out: Folder for the configuration, tables, suit file, figures, report.md and report.html: a
-            new or an empty one, or that of an earlier demo.
+            new or an empty one.
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
         episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
     at_least("episodes", episodes, FEWEST_MOTIONS)
     check_seed(seed)
-    folder = RunFolder(out, "demo", force=force)
-    if not (folder / "fits.json").exists():
-        _run(folder, out, trials, episodes, seed)
-    else:
-        kept = _free_name(folder)
-        with folder.together(kept) as new:
-            _run(new, folder / kept, trials, episodes, seed)
+    folder = RunFolder(out, force=force)
+    _run(folder, trials, episodes, seed)
     say(f"report, figures, suit and data: {out}/report.html")
 
 
-def _free_name(folder: RunFolder) -> str:
-    """Returns the name of a new folder for what Ctrl-C leaves beside the results of a run."""
-    names = (f"interrupted-{i}" for i in itertools.count(1))
-    return next(name for name in names if not (folder / name).exists())
-
-
-def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) -> None:
-    """Does the whole job in a folder, which is at `place` if Ctrl-C ends it."""
+def _run(folder: RunFolder, trials: int, episodes: int, seed: int) -> None:
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
     try:
-        with telling(lambda: _kept_fits(place, fits)):
+        with telling(lambda: _kept_fits(folder.path, fits)):
             _identify(curves, fits, trials, seed)
     finally:
-        if any(fits.values()) or folder.path == place:
-            _write_fits(folder, fits, _config(trials, episodes, seed))
+        _write_fits(folder, fits, _config(trials, episodes, seed))
     suit = folder.claim("suit.json")
     _identified_suit(fits).save(suit)
     kept = (
-        f"fits.json, trials.csv and suit.json are kept in {place}; go on with: "
-        f"activesuit validate {place / suit.name} --plant {PLANT} --episodes {episodes} --seed "
+        f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
+        f"activesuit validate {suit} --plant {PLANT} --episodes {episodes} --seed "
         f"{FIRST_SEED + seed}"
     )
     with telling(lambda: kept):
@@ -131,11 +116,9 @@ def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> 
 
 def _kept_fits(place: Path, fits: Fits) -> str:
     done, planned = sum(map(len, fits.values())), len(COMPARED) * len(fits)
-    if not done and not place.exists():
-        return f"no fit was finished; {place.parent} holds the results of the run before"
     return (
         f"the finished fits ({done} of {planned}) are kept in {place}/fits.json and "
-        "trials.csv; run the demo again for the rest"
+        "trials.csv; run the demo again with --force for the rest"
     )
 
 

@@ -56,7 +56,8 @@ def design(
         f"{found.duration:.0f} s from {low:.4g} to {high:.4g} rad, {result['reversals']} reversals "
         f"up to {result['nesting']} deep, {min(found.rates):.3g} to {max(found.rates):.3g} rad/s"
     )
-    conclude(result, {"the next record": (header, rows)}, [remark], folder=None, json=json)
+    tables = {"the next record": (header, rows)}
+    conclude("design", result, tables, [remark], folder=None, json=json)
     if not json:
         say(f"wrote {out}; next: activesuit measure rig --motion {out}, or your own rig")
 

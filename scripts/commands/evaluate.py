@@ -103,7 +103,7 @@ def evaluate(
             who have repeated each motion until nothing is left to learn.
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
         out: Folder for result.json, motions.csv, the first motions and report.html, and tables.md
-            with --table: a new or an empty one, or that of an earlier evaluate.
+            with --table: a new or an empty one.
     """
     at_least("episodes", episodes, 1)
     check_seed(seed)
@@ -128,7 +128,7 @@ def evaluate(
         _check(chosen, score)
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
         at_least("episodes", episodes, FEWEST_MOTIONS)
-    folder = RunFolder(out, "evaluate", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     results, tables, remarks, motions = [], {}, [], []
     settings: dict[tuple[str, str, str], Evaluation] = {}
     for chosen in scenes:
@@ -176,7 +176,7 @@ def evaluate(
     settings_of_run = {"env": scenes[0].env, "policies": policies, "episodes": episodes}
     settings_of_run |= {"seed": seed, "unadapted": unadapted, "score": score, **options}
     conclude(
-        *(result, tables, remarks),
+        *("evaluate", result, tables, remarks),
         folder=folder,
         json=json,
         settings=settings_of_run,

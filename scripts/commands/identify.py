@@ -132,7 +132,7 @@ def identify(
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
         out: Folder for suit.json, result.json, trials.csv, report.html and the loops as PNG and
-            SVG: a new or an empty one, or that of an earlier identify.
+            SVG: a new or an empty one.
     """
     if not curves:
         raise InputError("there is no file of curves: give at least one")
@@ -158,7 +158,7 @@ def identify(
     motions = intended_motions(curves[0], use, joint)
     needed = needed_coverage(family, use, motions)
     others = None if base is None else load_suit(base)
-    folder = RunFolder(out, "identify", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     beside = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
     method = method or _usual_method(family, **beside, quiet=json)
     if method == AUTO:
@@ -201,16 +201,15 @@ def identify(
             **{"corrections": asdict(corrections), "samples": samples, "seed": seed},
             **{"for": use, "joint": joint_name, "base": base, "data_sha256": family.sha256},
         }
-        with folder.together() as new:
-            suit.save(new / "suit.json")
-            _write(new, joint_name, _fit(result), summary)
-            write_loops(new, loop_rows(joint_name, result, found))
-            write_report(
-                *(new, "identify", f"{family.source}, {joint_name.replace('_', ' ')}"),
-                answer=[*sentences, *_why(result)],
-                tables={title: rows for title, rows, _ in tables},
-                settings=given,
-            )
+        suit.save(folder / "suit.json")
+        _write(folder, joint_name, _fit(result), summary)
+        write_loops(folder, loop_rows(joint_name, result, found))
+        write_report(
+            *(folder, "identify", f"{family.source}, {joint_name.replace('_', ' ')}"),
+            answer=[*sentences, *_why(result)],
+            tables={title: rows for title, rows, _ in tables},
+            settings=given,
+        )
         if not json:
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, report.html, loops.png")
     _end(result)

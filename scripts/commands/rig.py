@@ -60,7 +60,7 @@ def rig(
         angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
         bearing_friction: Friction of the bearings [N·m].
         out: Folder for the curves (JOINT.csv), config.json, report.html and the loops as PNG and
-            SVG: a new or an empty one, or that of an earlier rig.
+            SVG: a new or an empty one.
     """
     config = RigConfig(
         suit=suit,
@@ -81,7 +81,7 @@ def rig(
     if motion and predict is not None:
         raise InputError("--predict belongs to first-order curves: leave it out beside --motion")
     kept_out = _kept_out(config.turns, predict)
-    folder = RunFolder(out, "rig", force=force)
+    folder = RunFolder(out, force=force)
     _report(config, kept_out, run_rig(config), folder, json)
 
 
@@ -108,17 +108,16 @@ def _report(
     measured = [_summary(curve) for curve in curves]
     header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
     rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
-    with folder.together() as new:
-        new.json("config.json", {**asdict(config), "predict": kept_out})
-        new.figure("loops", records_figure(title, records))
-        save_curves(new / path.name, curves, comments=(f"Measured on the simulated rig: {title}.",))
-        write_loops(new, measured_rows(config.joint, curves))
-        write_report(
-            *(new, "rig", title),
-            answer=[_answer(curves)],
-            tables={title: (header, rows)},
-            settings={**asdict(config), "predict": kept_out},
-        )
+    folder.json("config.json", {**asdict(config), "predict": kept_out})
+    folder.figure("loops", records_figure(title, records))
+    save_curves(folder / path.name, curves, comments=(f"Measured on the simulated rig: {title}.",))
+    write_loops(folder, measured_rows(config.joint, curves))
+    write_report(
+        *(folder, "rig", title),
+        answer=[_answer(curves)],
+        tables={title: (header, rows)},
+        settings={**asdict(config), "predict": kept_out},
+    )
     if json:
         print(to_json({"curves": path, "measured": measured}))
         return

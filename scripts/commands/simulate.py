@@ -45,8 +45,7 @@ def simulate(
     The wearer has learned nothing of suit and exoskeleton yet.
 
     Args:
-        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one,
-            or that of an earlier simulate.
+        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one.
     """
     check_seed(seed)
     chosen = scene(
@@ -63,7 +62,7 @@ def simulate(
     options = {**chosen.options, **needed_options(acting)}
     arms = make_arms(chosen.env, 1, **options)
     actor = make_policy(acting, arms)
-    folder = RunFolder(out, "simulate", force=force)
+    folder = RunFolder(out, force=force)
     (trace,) = rollout(arms, actor, [seed])
     arms.close()
     result = score(policy, [trace])
@@ -73,18 +72,17 @@ def simulate(
         f"Human torque: {chosen.place}, seed {seed}": score_table([result]),
         "Effort": effort_table([result]),
     }
-    with folder.together() as new:
-        write_trace(new, "trace.csv", trace)
-        new.json("result.json", {**settings, **result.to_dict()})
-        for name, draw in figures.items():
-            new.figure(name, draw({policy: trace}))
-        write_report(
-            *(new, "simulate", f"{chosen.place}, seed {seed}"),
-            answer=[outcome(result), *why_remarks([result]), *cuff_remarks([result])],
-            tables=tables,
-            settings={"policy": policy, **settings},
-            motions=[kept_motion(chosen.place, policy, "trace.csv", trace)],
-        )
+    write_trace(folder, "trace.csv", trace)
+    folder.json("result.json", {**settings, **result.to_dict()})
+    for name, draw in figures.items():
+        folder.figure(name, draw({policy: trace}))
+    write_report(
+        *(folder, "simulate", f"{chosen.place}, seed {seed}"),
+        answer=[outcome(result), *why_remarks([result]), *cuff_remarks([result])],
+        tables=tables,
+        settings={"policy": policy, **settings},
+        motions=[kept_motion(chosen.place, policy, "trace.csv", trace)],
+    )
     if json:
         print(to_json(result.to_dict()))
         return

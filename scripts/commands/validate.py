@@ -91,7 +91,7 @@ def validate(
         episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
         out: Folder for result.json, the first motions, report.html, and the matrix as PNG and SVG:
-            a new or an empty one, or that of an earlier validate.
+            a new or an empty one.
     """
     if not suits:
         raise InputError("no suit is given: name one that the controller believes")
@@ -107,9 +107,9 @@ def validate(
         )
     if held_out:
         result, tables, remarks = _predicted(suits, held_out, joint)
-        folder = RunFolder(out, "validate", force=force) if out else None
+        folder = RunFolder(out, force=force) if out else None
         given = {"suits": suits, "held_out": held_out, "joint": joint}
-        conclude(result, tables, remarks, folder=folder, json=json, settings=given)
+        conclude("validate", result, tables, remarks, folder=folder, json=json, settings=given)
         return
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
@@ -135,7 +135,7 @@ def validate(
             )
             for true, chosen in scenes.items()
         }
-    folder = RunFolder(out, "validate", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     first: dict[str, Trace] = {}
     cells, evaluations = _simulated(suits, scenes, policy, episodes, seed, first)
     motions = write_motions(folder, scenes[plant[0]].place, first) if folder else []
@@ -239,7 +239,7 @@ def _conclude(
         remarks += [*why_remarks(scores), *cuff_remarks(scores)]
     judged = any(one.verdict for one in cells.values())
     conclude(
-        *(result, tables, [*remarks, *[RULE] * judged]),
+        *("validate", result, tables, [*remarks, *[RULE] * judged]),
         folder=folder,
         json=json,
         settings=settings,

@@ -57,7 +57,7 @@ class Contents(_Part):
 
     Attributes:
         format: Number of the format of this file.
-        command: Name of the command, as in the record of the run folder.
+        command: Name of the command, as `SUBJECTS` has it.
         title: What the command was about: a file, or task, place and suit.
         answer: Sentences, the most important one first.
         tables: Tables.

@@ -167,7 +167,6 @@ def _profiles(folder: Path, contents: Contents) -> Iterator[Section]:
     yield Section(title="Profiles", blocks=[*blocks, still])
 
 
-# By the name in the record of the run folder.
 SUBJECTS = {
     "demo": Subject("demo", "From measured loops to a compensated arm motion", _demo),
     "identify": Subject("identify", "Identified model", _loops),

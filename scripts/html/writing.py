@@ -28,7 +28,7 @@ def write_report(
 
     Args:
         folder: The run folder.
-        command: Name of the command, as in the record of the folder.
+        command: Name of the command, as `SUBJECTS` has it.
         title: What the command was about: a file, or task, place and suit.
         answer: Sentences, the most important one first.
         tables: Header and rows of tables, by title.

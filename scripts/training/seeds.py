@@ -58,7 +58,7 @@ def train_all(
         resume: Whether to go on with what is there.
         force: Whether to replace what is there.
     """
-    folder = RunFolder(out, "train", force=force or resume)
+    folder = RunFolder(out, force=force, resumes=resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
     given = [(path, seed) for seed, path in runs.items()]
     if workers == 1:
@@ -78,6 +78,7 @@ def train_all(
     ]
     header = ["seed", "steps of the best", "relief", "success"]
     conclude(
+        "train",
         {"best": {str(seed): one for seed, one in best.items()}, "together": together(best)},
         {"trainings": (header, rows)},
         _remarks(best, steps),

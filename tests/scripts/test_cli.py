@@ -37,7 +37,7 @@ def identified(capsys, *arguments) -> str:
 
 
 FIT_FILES = {  # of `identify --out`
-    *(".activesuit", "suit.json", "result.json", "trials.csv", "report.html", "report.json"),
+    *("suit.json", "result.json", "trials.csv", "report.html", "report.json"),
     *("loops.csv", "loops.png", "loops.svg"),
 }
 

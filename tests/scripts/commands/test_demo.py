@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 
@@ -166,32 +165,3 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     assert command == f"validate {tmp_path}/suit.json --plant mock-suit --episodes 8 --seed 10003"
     main(command.split())  # what it says can be done
     assert "Torque, believed less true" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("sketched")
-def test_interrupting_a_second_demo_keeps_the_first(folder, tmp_path, monkeypatch, capsys):
-    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
-    files = [path for path in tmp_path.rglob("*") if path.is_file()]
-    first = {path: path.read_bytes() for path in files if path.name != ".activesuit"}
-    with monkeypatch.context() as patch:
-        interrupting_call(patch, Bar, "advance", 2)
-        message = interrupted(capsys, tmp_path, "--seed", "1")
-    kept = tmp_path / "interrupted-1"
-    assert f"the finished fits (2 of 6) are kept in {kept}/fits.json" in message
-    assert json.loads((kept / "config.json").read_text())["seed"] == 1
-    assert {path: path.read_bytes() for path in first} == first
-    with monkeypatch.context() as patch:
-        interrupting_call(patch, demo_module, "identify")
-        message = interrupted(capsys, tmp_path)
-    assert f"no fit was finished; {tmp_path} holds the results of the run before" in message
-    assert not (tmp_path / "interrupted-2").exists()
-    with monkeypatch.context() as patch:
-        interrupting_call(patch, demo_module, "evaluate")
-        command = interrupted(capsys, tmp_path).split("go on with: activesuit ")[1]
-    assert command.startswith(f"validate {tmp_path / 'interrupted-2' / 'suit.json'} ")
-    main(command.split())
-    assert {path: path.read_bytes() for path in first} == first
-    demo(out=tmp_path, trials=1, episodes=8, seed=1)
-    assert json.loads((tmp_path / "config.json").read_text())["seed"] == 1
-    assert not list(tmp_path.glob(".activesuit-*"))

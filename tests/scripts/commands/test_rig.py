@@ -16,7 +16,7 @@ def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     out = run(capsys, "measure", "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     loops = {"loops.csv", "loops.png", "loops.svg"}
-    own = {".activesuit", "elbow_flexion.csv", "config.json", "report.html", "report.json"}
+    own = {"elbow_flexion.csv", "config.json", "report.html", "report.json"}
     assert names == own | loops
     curves = tmp_path / "elbow_flexion.csv"
     assert f"next: activesuit identify {curves}" in out
@@ -50,7 +50,7 @@ def test_what_is_written(capsys, tmp_path, undrawn):
     assert config["turns"] == [0.9, 1.2, 1.1, 1.0]
     assert config["predict"] == [1.0]
     assert config["start_angle"] == 0.52
-    run(capsys, "measure", "rig", *arguments, "--predict", 1.1)
+    run(capsys, "measure", "rig", *arguments, "--predict", 1.1, "--force")
     assert [curve.role for curve in load_curves(result["curves"])] == [
         "fit",
         "fit",

@@ -78,7 +78,7 @@ def test_a_section_without_content_is_left_out(tmp_path):
 
 
 def test_numbers_are_right_and_texts_left(tmp_path):
-    run = RunFolder(tmp_path, "bench honesty")
+    run = RunFolder(tmp_path)
     cells = [["a", "1.5", "-", "x"], ["b", "-2 (−3 to -1)", "1,000", "2-way"]]
     write_report(
         *(run, "bench honesty", "t"),
@@ -92,7 +92,7 @@ def test_numbers_are_right_and_texts_left(tmp_path):
 
 
 def test_columns_whose_names_do_not_say_it_are_explained(tmp_path):
-    run = RunFolder(tmp_path, "bench honesty")
+    run = RunFolder(tmp_path)
     tables = {"t": (["a", "over fit\nnoise"], [["b", "1"]]), "u": (["a", "b"], [["c", "2"]])}
     write_report(*(run, "bench honesty", "t"), answer=[], tables=tables, settings={})
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
