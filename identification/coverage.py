@@ -27,7 +27,7 @@ WHOLE = 0.9  # share of a motion's range: a branch of that length is half a cycl
 BEYOND = 0.01  # tolerated excursion of a motion beyond the range of the curves, over that range
 NEAR = 2.0  # assumed ratio to a measured rate or depth, up to which both are alike
 PARTS = 10  # number of parts of a branch; the fastest part gives its rate
-DESIGNED = "the record that `nested_motion` (activesuit measure design) gives"
+DESIGNED = "the record that `nested_motion` (activesuit design) gives"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -99,7 +99,7 @@ class Ensemble:
             raise InputError(
                 f"the motion has loops inside loops ({depth} reversals deep), and the curves have "
                 "none, on which the models could be tested: there is no band; measure also the "
-                "record that `nested_motion` (activesuit measure design) gives"
+                "record that `nested_motion` (activesuit design) gives"
             )
         torque = np.array([predicted(one.model, one.initial_torque, curve) for one in self.members])
         if not np.isfinite(torque).all():

@@ -33,8 +33,9 @@ import numpy as np
 import tyro
 from activesuit.assets import JOINTS, curves_path, load_suit
 from activesuit.envs.policies.network import files_of, read_card, read_network
-from activesuit.scripts.main import command_of
+from activesuit.scripts.main import function_of
 from activesuit.scripts.main import main as activesuit
+from activesuit.scripts.options import with_flags
 from trained_runs import make_run
 
 PREFIX, LONGEST = "activesuit: error: ", 300  # of a sentence; characters after the prefix
@@ -218,23 +219,23 @@ CARD: Outcomes = {
 ACTING = (
     "export run --onnx --out new.onnx",
     "simulate --policy run --out out",
-    "evaluate --policies run --unadapted --episodes 8 --out out",
+    "evaluate --policies run --unadapted --motions 8 --out out",
 )
 FILES: dict[str, tuple[Outcomes, tuple[str, ...]]] = {  # the first command is fast
     "elbow.csv": (TABLE, (
         "identify elbow.csv --model prandtl-ishlinskii",
         "identify elbow.csv --out out --workers 1",
-        "measure design elbow.csv --out new.csv",
+        "design elbow.csv --out new.csv",
         "validate whole.json --held-out elbow.csv --joint elbow_flexion --out out",
     )),
     "motion.csv": (TABLE, (
-        "measure rig --motion motion.csv --out out",
+        "rig --motion motion.csv --out out",
         "identify whole.csv --for motion.csv --model prandtl-ishlinskii",
     )),
     "arm.csv": (TABLE, ("simulate --task arm.csv --out out", "evaluate --task arm.csv")),
     "suit.json": (JSON, (
         "list suits suit.json",
-        "measure rig --suit suit.json --out out",
+        "rig --suit suit.json --out out",
         "simulate --suit suit.json --out out",
         "evaluate --suit suit.json --policies none --out out",
         "validate suit.json --out out",
@@ -288,8 +289,8 @@ JUNK: dict[str, tuple[list[str], list[str]]] = {  # by kind: what is refused, an
 WHOLE = {  # command lines that are whole; the last word is the place of the results
     "demo": "--out out",
     "identify": "whole.csv --workers 1 --out out",
-    "measure design": "whole.csv --out new.csv",
-    "measure rig": "--out out",
+    "design": "whole.csv --out new.csv",
+    "rig": "--out out",
     "simulate": "--out out",
     "view": "--snapshot new.png",
     "evaluate": "--out out",
@@ -309,9 +310,7 @@ LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate ext
 @functools.cache
 def options(command: str) -> list[argparse.Action]:
     """Returns the options and positional arguments that the parser of a command knows."""
-    function = command_of(command.split())[1]
-    without = functools.wraps(function)(lambda *given, **named: None)
-    config = (tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff)
+    without, config = with_flags(function_of(command)), (tyro.conf.FlagCreatePairsOff,)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # tyro has no other way to ask
         parser = tyro.extras.get_parser(without, config=config)

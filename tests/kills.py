@@ -30,7 +30,7 @@ SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SWARM = ["--method", "mpso", "--trials", "6", "--workers", "1"]
 SMALL = [
     *("--tasks", "ElbowFlexion", "--policies", "none", "--levels", "nominal"),
-    *("--episodes", "8", "--workers", "1"),
+    *("--motions", "8", "--workers", "1"),
 ]
 TRAIN = ["train", "--algo", "ppo"]
 
@@ -60,9 +60,9 @@ def same(*arguments: str) -> Command:
 COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
     "benchmark": Command(["benchmark", "run", *SMALL], ["benchmark", "run", *SMALL]),
-    "demo": same("demo", "--trials", "2", "--episodes", "8"),
+    "demo": same("demo", "--trials", "2", "--motions", "8"),
     "train": Command([*TRAIN, "--steps", "8192"], [*TRAIN, "--steps", "16384", "--resume"]),
-    "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),
+    "evaluate": same("evaluate", "--policies", "none", "feedforward", "--motions", "8"),
     "simulate": same("simulate"),
     "view": Command(["view"], ["view", "--force"], "motion.gif", "--film"),
 }

@@ -14,9 +14,8 @@ from ..envs.policies.build import residual_of
 from ..envs.policies.network import CARD, WEIGHTS, card_file, read_card
 from ..envs.policies.trained import SHIPPED
 from ..files import replacing
-from ..scripts.arm_options import USUAL
 from ..scripts.backends import run_all
-from ..scripts.runs import scene
+from ..scripts.scene import scene
 from ..scripts.training.evaluations import finished, read_evaluations, value
 from ..scripts.training.request import TrainingRequest
 from ..scripts.training.seeds import seeds_of
@@ -65,7 +64,7 @@ def train(name: str, seed: int, out: Path) -> None:
     """Trains one network with one seed, or continues what is there."""
     given = dict(NETWORKS[name][1])
     file = given.pop("hyperparameters", None)
-    place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
+    place = partial(scene, {"task": "ArmTracking"})
     request = TrainingRequest(given=given, file=file, scene=place, resume=True, force=True)
     request.seed(out, seed)
 

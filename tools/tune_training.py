@@ -23,8 +23,7 @@ from .. import __version__
 from ..envs.policies.build import residual_of
 from ..files import write_text
 from ..json_files import read_json
-from ..scripts.arm_options import USUAL
-from ..scripts.runs import scene
+from ..scripts.scene import scene
 from ..scripts.training.evaluations import EVALUATIONS, value
 from ..scripts.training.hyperparameters import hyperparameters
 from ..scripts.training.request import TrainingRequest
@@ -78,7 +77,7 @@ def score(settings: dict[str, Any], algo: str, steps: int) -> dict[str, float]:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "tried.yml"
             file.write_text(yaml.safe_dump({"default": settings}), encoding="utf-8")
-            place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
+            place = partial(scene, {"task": "ArmTracking"})
             given = {"algo": algo, "steps": steps, **case["given"]}
             run = Path(folder) / "run"
             TrainingRequest(given=given, scene=place, file=file).one(run)

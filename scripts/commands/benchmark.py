@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial, suite
+from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial
+from ...envs.benchmark import suite as make_suite
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
 from ...envs.benchmark.standings import FIXED, Standings
 from ...envs.extras import SCORES
@@ -16,10 +17,9 @@ from ...envs.policies import make_policy, needed_options
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
-from ..arm_options import Settings
 from ..backends import Backend, check_backend, run_all
 from ..html.writing import write_report
-from ..options import Force, Json, Scores, Trust, choice
+from ..options import Force, Json, Scores, Trust, choice, optional_number
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import Rows, RunFolder, progress, say, table, telling, to_json
@@ -34,8 +34,7 @@ from ..reports.leaderboard import (
 )
 from ..reports.scores import Said, benchmark_says
 from ..reports.why import benchmark_remarks
-from ..runs import refuse_observed
-from ..settings import settings
+from ..scene import refuse_observed
 
 What = Literal["run", "table", "compare"]
 TRIALS, CONFIG = "trials", "config.json"
@@ -47,15 +46,12 @@ def benchmark(
     what: Annotated[What, tyro.conf.Positional],
     results: Annotated[tuple[Path, ...], tyro.conf.Positional] = (),
     /,
-    suite_name: Annotated[
-        str, tyro.conf.arg(name="suite"), choice(lambda: SUITES, "Name of a suite (run).")
-    ] = "quick",
+    suite: Annotated[str, choice(lambda: SUITES, "Name of a suite (run).")] = "quick",
     policies: tuple[str, ...] = (),
     tasks: tuple[Annotated[str, choice(task_names)], ...] = (),
     levels: tuple[Annotated[str, choice(level_names)], ...] = (),
     believed: tuple[str, ...] = (),
-    episodes: int | None = None,
-    set: Settings = (),
+    motions: Annotated[int | None, optional_number("that of the suite", int)] = None,
     score: Scores = (),
     workers: int = -1,
     backend: Backend = "loky",
@@ -63,12 +59,14 @@ def benchmark(
     force: Force = False,
     trust: Trust = False,
     json: Json = False,
+    **environment: Any,
 ) -> None:
     """Compare controllers over tasks, levels and suits.
 
     `run` runs a suite, trial by trial; the same command again goes on where it stopped. `table`
     merges results of several machines or people into one page. `compare` gives the paired
-    difference of the policies' relief to the first one.
+    difference of the policies' relief to the first one. Options of the environment are for run;
+    their results have a contract of their own.
 
     Args:
         what: Whether to run a suite, make tables of results, or compare two policies.
@@ -78,10 +76,7 @@ def benchmark(
         tasks: Names of tasks, instead of those of the suite (run).
         levels: Names of levels, instead of those of the suite (run).
         believed: Suits that controllers believe in, instead of those of the suite (run).
-        episodes: Number of motions of each policy, at least 8; by default that of the suite
-            (run).
-        set: Any options of the environment, by their names in Python: fatigue=true
-            sensing.rate_cutoff=10 (run). Their results have a contract of their own.
+        motions: Number of motions of each policy, at least 8 (run).
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
@@ -91,20 +86,20 @@ def benchmark(
     if what == "run":
         if results:
             raise InputError(f"run takes no results, and {str(results[0])!r} is given: use table")
-        chosen = suite(
-            suite_name,
+        chosen = make_suite(
+            suite,
             policies=policies,
             tasks=tasks,
             levels=levels,
             believed=believed,
-            episodes=episodes,
-            options=settings([one for together in set for one in together]),
+            motions=motions,
+            options=environment,
             scores=score,
             trust=trust,
         )
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
-        if policies or believed or set:
+        if policies or believed or environment:
             _check(chosen)
         _check_scores(chosen)
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
@@ -220,12 +215,12 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """Opens the folder of a new benchmark, or of one that goes on."""
     wanted, path = _config(chosen), out / CONFIG
     present = read_json(path, "configuration of the benchmark") if path.exists() else None
-    begun = isinstance(present, dict) and "contract" in present
-    folder = RunFolder(out, force=force, resumes=begun)
-    if begun and present != wanted:
-        name = next(n for n in {**wanted, **present} if present.get(n) != wanted.get(n))
+    begun = present if isinstance(present, dict) and "contract" in present else {}
+    folder = RunFolder(out, force=force, resumes=bool(begun))
+    if begun and begun != wanted:
+        name = next(n for n in {**wanted, **begun} if begun.get(n) != wanted.get(n))
         raise InputError(
-            f"{str(out)!r} holds a benchmark whose {name} is {shown(present.get(name))}, not "
+            f"{str(out)!r} holds a benchmark whose {name} is {shown(begun.get(name))}, not "
             f"{shown(wanted.get(name))}: choose another --out, or go on with its own options"
         )
     folder.json(CONFIG, wanted)  # the first file, by which the benchmark is known again
@@ -243,7 +238,7 @@ def _config(chosen: Suite) -> dict[str, Any]:
                 "tasks": chosen.tasks,
                 "levels": chosen.levels,
                 "believed": chosen.believed,
-                "episodes": chosen.episodes,
+                "motions": chosen.motions,
                 "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
                 **({"options": chosen.options} if chosen.options else {}),
                 **({"scores": chosen.scores} if chosen.scores else {}),

@@ -18,7 +18,7 @@ from ...identification.figures import convergence_figure, loops_figure
 from ..html.loops import loop_rows, write_loops
 from ..html.motions import kept_motion
 from ..html.writing import write_report
-from ..options import Force, Seed
+from ..options import Force, Motions, Seed
 from ..output import Rows, RunFolder, markdown_table, progress, say, table, telling
 from ..reports.fits import fit_summary, quality_table, write_trials
 from ..reports.motions import score_table, story, write_scores, write_trace
@@ -40,7 +40,7 @@ Fits = dict[str, dict[str, Fit]]
 def demo(
     out: Path = Path("runs/demo"),
     trials: int = 30,
-    episodes: int = 20,
+    motions: Motions = 20,
     seed: Seed = 0,
     force: Force = False,
 ) -> None:
@@ -52,34 +52,33 @@ def demo(
         out: Folder for the configuration, tables, suit file, figures, report.md and report.html: a
             new or an empty one.
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
-        episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
-    at_least("episodes", episodes, FEWEST_MOTIONS)
+    at_least("motions", motions, FEWEST_MOTIONS)
     check_seed(seed)
     folder = RunFolder(out, force=force)
-    _run(folder, trials, episodes, seed)
+    _run(folder, trials, motions, seed)
     say(f"report, figures, suit and data: {out}/report.html")
 
 
-def _run(folder: RunFolder, trials: int, episodes: int, seed: int) -> None:
+def _run(folder: RunFolder, trials: int, motions: int, seed: int) -> None:
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
     try:
         with telling(lambda: _kept_fits(folder.path, fits)):
             _identify(curves, fits, trials, seed)
     finally:
-        _write_fits(folder, fits, _config(trials, episodes, seed))
+        _write_fits(folder, fits, _config(trials, motions, seed))
     suit = folder.claim("suit.json")
     _identified_suit(fits).save(suit)
     kept = (
         f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
-        f"activesuit validate {suit} --plant {PLANT} --episodes {episodes} --seed "
+        f"activesuit validate {suit} --plant {PLANT} --motions {motions} --seed "
         f"{FIRST_SEED + seed}"
     )
     with telling(lambda: kept):
         fit_tables = _show_fits(folder, curves, fits)
-        scores, motions = _compare(folder, suit, episodes, seed)
+        scores, shown = _compare(folder, suit, motions, seed)
         pictured = _picture(folder, seed)
         folder.text("report.md", _report(fit_tables, scores, pictured))
         certified = ((CURVES[name], methods["certified"]) for name, methods in fits.items())
@@ -88,8 +87,8 @@ def _run(folder: RunFolder, trials: int, episodes: int, seed: int) -> None:
             *(folder, "demo", f"{ENV}, {PLANT}"),
             answer=[f"{place}: {said}" for place, one in scores.items() for said in story(one)],
             tables={gravity: _scores(one) for gravity, one in scores.items()} | fit_tables,
-            settings=_config(trials, episodes, seed),
-            motions=motions,
+            settings=_config(trials, motions, seed),
+            motions=shown,
         )
 
 
@@ -122,9 +121,9 @@ def _kept_fits(place: Path, fits: Fits) -> str:
     )
 
 
-def _config(trials: int, episodes: int, seed: int) -> dict[str, Any]:
+def _config(trials: int, motions: int, seed: int) -> dict[str, Any]:
     simulated = {"env": ENV, "plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
-    return {"trials": trials, "episodes": episodes, "seed": seed, **simulated}
+    return {"trials": trials, "motions": motions, "seed": seed, **simulated}
 
 
 def _write_fits(folder: RunFolder, fits: Fits, config: dict[str, Any]) -> None:
@@ -162,29 +161,29 @@ def _identified_suit(fits: Fits) -> Suit:
 
 
 def _compare(
-    folder: RunFolder, suit: Path, episodes: int, seed: int
+    folder: RunFolder, suit: Path, motions: int, seed: int
 ) -> tuple[dict[str, Evaluation], list[dict[str, Any]]]:
     """Compares all policies; prints, draws and writes the results.
 
     Returns the scores by gravity, and what a report has to know of the motions.
     """
-    found, traces = _simulate(suit, episodes, seed)
-    motions = []
+    found, traces = _simulate(suit, motions, seed)
+    shown = []
     for gravity, evaluation in found.items():
         scores = list(evaluation.scores.values())
-        table(f"{ENV}, {gravity}, {episodes} motions", *score_table(scores, evaluation))
+        table(f"{ENV}, {gravity}, {motions} motions", *score_table(scores, evaluation))
         for sentence in (*why_remarks(scores), *story(evaluation)):
             say(sentence)
         write_scores(folder, f"motions-{gravity}.csv", scores, FIRST_SEED + seed)
         for policy, trace in traces[gravity].items():
             name = f"trace-{gravity}-{policy}.csv"
             write_trace(folder, name, trace)
-            motions.append(kept_motion(gravity, policy, name, trace))
+            shown.append(kept_motion(gravity, policy, name, trace))
         folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
         folder.figure(f"torques-{gravity}", torques_figure(traces[gravity]))
         folder.figure(f"motion-loops-{gravity}", motion_loops_figure(traces[gravity]))
     folder.json("evaluation.json", {g: one.to_dict() for g, one in found.items()})
-    return found, motions
+    return found, shown
 
 
 def _scores(evaluation: Evaluation) -> Rows:
@@ -192,7 +191,7 @@ def _scores(evaluation: Evaluation) -> Rows:
 
 
 def _simulate(
-    suit: Path, episodes: int, seed: int
+    suit: Path, motions: int, seed: int
 ) -> tuple[dict[str, Evaluation], dict[str, dict[str, Trace]]]:
     """Runs all policies on Earth and in microgravity; keeps the first motion of some."""
     found: dict[str, Evaluation] = {}
@@ -200,7 +199,7 @@ def _simulate(
     policies = {
         name: {"name": name, "suit": str(suit)} if name in BELIEVING else name for name in SIMULATED
     }
-    with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * episodes) as bar:
+    with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * motions) as bar:
         for gravity in GRAVITIES:
 
             def report(policy: str, done: list[Trace], kept=traces[gravity]) -> None:
@@ -211,7 +210,7 @@ def _simulate(
             found[gravity] = evaluate(
                 ENV,
                 policies,
-                episodes=episodes,
+                motions=motions,
                 seed=FIRST_SEED + seed,
                 on_policy=report,
                 suit=PLANT,

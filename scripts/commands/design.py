@@ -1,4 +1,4 @@
-"""`activesuit measure design`: writes the motion that is worth measuring next."""
+"""`activesuit design`: writes the motion that is worth measuring next."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -59,7 +59,7 @@ def design(
     tables = {"the next record": (header, rows)}
     conclude("design", result, tables, [remark], folder=None, json=json)
     if not json:
-        say(f"wrote {out}; next: activesuit measure rig --motion {out}, or your own rig")
+        say(f"wrote {out}; next: activesuit rig --motion {out}, or your own rig")
 
 
 def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float, float]:

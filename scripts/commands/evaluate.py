@@ -1,7 +1,7 @@
 """`activesuit evaluate`: compares policies on the same motions."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,22 +17,10 @@ from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
 from ...errors import InputError
-from ..arm_options import USUAL, ArmOptions
 from ..conclusion import conclude
 from ..html.motions import write_motions
 from ..html.subjects import SCORE
-from ..options import (
-    Env,
-    EvaluatedName,
-    Force,
-    Gravity,
-    Json,
-    Level,
-    Scores,
-    Suit,
-    TaskName,
-    Trust,
-)
+from ..options import EvaluatedName, Force, Json, Motions, Scores, Trust
 from ..output import RunFolder, progress
 from ..reports.motions import (
     agreement,
@@ -47,7 +35,7 @@ from ..reports.motions import (
 )
 from ..reports.scores import Said, drawn_policies, evaluation_says
 from ..reports.why import why_remarks
-from ..runs import Scene, scene
+from ..scene import Scene, scene
 
 USUAL_POLICIES = (
     "none",
@@ -69,22 +57,17 @@ PLACES, SUITS, COUPLINGS = (
 
 
 def evaluate(
-    env: Env = None,
-    task: TaskName = None,
-    level: Level = None,
     policies: tuple[EvaluatedName, ...] = USUAL_POLICIES,
-    episodes: int = 20,
+    motions: Motions = 20,
     seed: int = FIRST_SEED,
-    suit: Suit = None,
-    gravity: Gravity = None,
     unadapted: bool = False,
     score: Scores = (),
     table: bool = False,
     out: Path | None = None,
     force: Force = False,
     trust: Trust = False,
-    arm: ArmOptions = USUAL,
     json: Json = False,
+    **options: Any,
 ) -> None:
     """Compare assist policies by what the wearer has to do.
 
@@ -96,8 +79,6 @@ def evaluate(
     Args:
         policies: Names of policies and bounds, or folders of training runs, which must have the
             same options.
-        episodes: Number of motions of each policy, at least 8 for intervals; all policies get the
-            same motions.
         seed: Seed of the first motion.
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
@@ -105,36 +86,24 @@ def evaluate(
         out: Folder for result.json, motions.csv, the first motions and report.html, and tables.md
             with --table: a new or an empty one.
     """
-    at_least("episodes", episodes, 1)
+    at_least("motions", motions, 1)
     check_seed(seed)
     if table and score:
         raise InputError("--table has no scores of extras: leave out --table or --score")
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
-    scenes = list(
-        _scenes(
-            arm,
-            policies,
-            table=table,
-            env=env,
-            task=task,
-            level=level,
-            suit=suit,
-            gravity=gravity,
-            trusted=trust,
-        )
-    )
+    scenes = list(_scenes(options, policies, table=table, trusted=trust))
     for chosen in scenes[:1]:
         _check(chosen, score)
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
-        at_least("episodes", episodes, FEWEST_MOTIONS)
+        at_least("motions", motions, FEWEST_MOTIONS)
     folder = RunFolder(out, force=force) if out else None
-    results, tables, remarks, motions = [], {}, [], []
+    results, tables, remarks, drawn = [], {}, [], []
     settings: dict[tuple[str, str, str], Evaluation] = {}
     for chosen in scenes:
         first: dict[str, Trace] = {}
         found = run(
-            *(chosen.env, chosen.policies, episodes, seed),
+            *(chosen.env, chosen.policies, motions, seed),
             unadapted=unadapted,
             first=first,
             **chosen.options,
@@ -142,7 +111,7 @@ def evaluate(
         scores = list(found.scores.values())
         with_references = found if found.suit_cost is not None else None
         results.append({"env": chosen.env, **chosen.options, **found.to_dict()})
-        title = f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions"
+        title = f"{chosen.place}, {chosen.options['coupling']}, {motions} motions"
         tables[title] = score_table(scores, with_references)
         if table:
             place, suit_name, coupling = (
@@ -167,27 +136,27 @@ def evaluate(
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)
             if not table:
-                motions = write_motions(folder, chosen.place, first)
+                drawn = write_motions(folder, chosen.place, first)
     if folder and table:
         folder.text("tables.md", settings_page(settings))
-    result: dict[str, Any] = {"episodes": episodes, "seed": seed}
+    result: dict[str, Any] = {"motions": motions, "seed": seed}
     result |= {"settings": results} if table else results[0]
-    options = {} if table else scenes[0].options
-    settings_of_run = {"env": scenes[0].env, "policies": policies, "episodes": episodes}
-    settings_of_run |= {"seed": seed, "unadapted": unadapted, "score": score, **options}
+    settings_of_run = {"env": scenes[0].env, "policies": policies, "motions": motions}
+    settings_of_run |= {"seed": seed, "unadapted": unadapted, "score": score}
+    settings_of_run |= {} if table else scenes[0].options
     conclude(
         *("evaluate", result, tables, remarks),
         folder=folder,
         json=json,
         settings=settings_of_run,
-        motions=motions,
+        motions=drawn,
     )
 
 
 def run(
     env: str,
     policies: Policies,
-    episodes: int,
+    motions: int,
     seed: int,
     *,
     unadapted: bool,
@@ -196,7 +165,7 @@ def run(
 ) -> Evaluation:
     """Evaluates policies and shows a progress bar; puts their first motions into `first`."""
     references = options.get("suit") != NO_SUIT
-    with progress(env, (len(policies) + 2 * references) * episodes) as bar:
+    with progress(env, (len(policies) + 2 * references) * motions) as bar:
 
         def report(policy: str, traces: list[Trace]) -> None:
             if first is not None:
@@ -206,7 +175,7 @@ def run(
         return evaluate_policies(
             env,
             policies,
-            episodes=episodes,
+            motions=motions,
             seed=seed,
             references=references,
             adapted=not unadapted,
@@ -236,27 +205,16 @@ def _add_score(
 
 
 def _scenes(
-    arm: ArmOptions,
-    policies: tuple[str, ...],
-    *,
-    table: bool,
-    env: str | None,
-    task: str | None,
-    level: str | None,
-    suit: str | None,
-    gravity: str | None,
-    trusted: bool,
+    options: Mapping[str, Any], policies: tuple[str, ...], *, table: bool, trusted: bool
 ) -> Iterator[Scene]:
-    of_task = partial(
-        scene, arm, env=env, task=task, level=level, policies=policies, trusted=trusted
-    )
+    of_task = partial(scene, policies=policies, trusted=trusted)
     if not table:
-        yield of_task(suit=suit, gravity=gravity)
+        yield of_task(options)
         return
-    if {"suit", "gravity", "coupling"} & arm.given(suit=suit, gravity=gravity).keys():
+    if {"suit", "gravity", "coupling"} & options.keys():
         raise InputError("--table has its own suits, places and couplings: leave yours out")
     for coupling, suit_name, place in itertools.product(COUPLINGS, SUITS, PLACES):
-        chosen = of_task(suit=suit_name, gravity=place)
+        chosen = of_task({**options, "suit": suit_name, "gravity": place})
         yield replace(chosen, options={**chosen.options, "coupling": coupling})
 
 

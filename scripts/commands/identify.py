@@ -27,9 +27,8 @@ from ..curve_joints import joint_of
 from ..html.loops import loop_rows, write_loops
 from ..html.writing import write_report
 from ..intended import intended_motions, needed_coverage
-from ..options import Force, Json, Seed, Use, choice, joints, optional_number, suits
+from ..options import Force, Json, Seed, Use, choice, joints, named_values, optional_number, suits
 from ..output import Rows, RunFolder, progress, say, table, to_json
-from ..parsing import named_values
 from ..reports.fits import (
     advised,
     band_table,
@@ -83,7 +82,7 @@ def identify(
     objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
-    corrections: Corrections = NONE,
+    corrections: Annotated[Corrections, tyro.conf.arg(name="")] = NONE,
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -340,7 +339,7 @@ def _sentences(
     elif fit.verdict == NOT_BEYOND:
         said.append(
             "band: none, because nothing tests the model beyond these curves; measure also the "
-            "record of activesuit measure design"
+            "record of activesuit design"
         )
     notes = [advised(one) for one in fit.remarks if one.code != "open"]
     notes += found.sloppy if found else ()

@@ -1,4 +1,4 @@
-"""`activesuit measure rig`: measures a simulated suit joint as the paper measured a real one."""
+"""`activesuit rig`: measures a simulated suit joint as the paper measured a real one."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -43,7 +43,7 @@ def rig(
     Args:
         joint: Joint of the suit that is measured.
         motion: CSV file with the columns time_s and angle_rad of a motion to measure in place of
-            first-order curves, as `activesuit measure design` writes it; the motor goes from
+            first-order curves, as `activesuit design` writes it; the motor goes from
             reversal to reversal at the mean rate of each branch, from 0.01 to 0.5 rad/s.
         turns: Angles at which the curves turn back [rad]; by default those of the paper for
             shoulder and elbow, and fifths of the range for other joints.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -16,29 +17,23 @@ from ...envs.figures import (
 )
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
-from ..arm_options import USUAL, ArmOptions
 from ..html.motions import kept_motion, outcome
 from ..html.writing import write_report
-from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
+from ..options import Force, Json, PolicyName, Seed, Trust
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
 from ..reports.why import why_remarks
-from ..runs import scene
+from ..scene import scene
 
 
 def simulate(
-    env: Env = None,
-    task: TaskName = None,
-    level: Level = None,
-    policy: PolicyName = "feedforward",
-    suit: Suit = None,
-    gravity: Gravity = None,
+    policy: PolicyName = "compensation",
     seed: Seed = 0,
     out: Path = Path("runs/simulate"),
     force: Force = False,
     trust: Trust = False,
-    arm: ArmOptions = USUAL,
     json: Json = False,
+    **options: Any,
 ) -> None:
     """Simulate one assisted arm motion, headless.
 
@@ -48,16 +43,7 @@ def simulate(
         out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one.
     """
     check_seed(seed)
-    chosen = scene(
-        arm,
-        env=env,
-        task=task,
-        level=level,
-        suit=suit,
-        gravity=gravity,
-        policies=(policy,),
-        trusted=trust,
-    )
+    chosen = scene(options, policies=(policy,), trusted=trust)
     (acting,) = chosen.policies
     options = {**chosen.options, **needed_options(acting)}
     arms = make_arms(chosen.env, 1, **options)

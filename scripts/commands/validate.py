@@ -24,11 +24,10 @@ from ...envs.model import ASSISTED
 from ...envs.policies import policy_spec
 from ...errors import InputError
 from ...identification import load_curves
-from ..arm_options import USUAL, ArmOptions
 from ..conclusion import conclude
 from ..curve_joints import joint_of
 from ..html.motions import write_motions
-from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
+from ..options import Force, Json, Motions, SuitName, choice, joints, policies, suits
 from ..output import RunFolder, progress
 from ..reports.motions import cuff_remarks, score_table
 from ..reports.validation import (
@@ -43,8 +42,7 @@ from ..reports.validation import (
     torque_table,
 )
 from ..reports.why import why_remarks
-from ..runs import Scene, refuse_observed, scene
-from ..settings import joined
+from ..scene import Scene, refuse_observed, scene
 
 GRAVITY = "microgravity"
 OTHERS = 4  # number of policies and references beside those that believe a suit
@@ -59,14 +57,12 @@ def validate(
     samples: bool = False,
     held_out: tuple[Path, ...] = (),
     joint: Annotated[str | None, choice(joints)] = None,
-    env: Env = None,
-    gravity: Annotated[str | None, gravity_option(GRAVITY)] = None,
-    episodes: int = 20,
+    motions: Motions = 20,
     seed: int = FIRST_SEED,
     out: Path | None = None,
     force: Force = False,
-    arm: ArmOptions = USUAL,
     json: Json = False,
+    **options: Any,
 ) -> None:
     """Validate an identified suit model in closed loop.
 
@@ -88,7 +84,6 @@ def validate(
         held_out: CSV files of measured curves: predict their torque, and simulate nothing.
         joint: Joint on which these curves were measured; by default the file name tells it
             (elbow.csv).
-        episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
         out: Folder for result.json, the first motions, report.html, and the matrix as PNG and SVG:
             a new or an empty one.
@@ -114,12 +109,12 @@ def validate(
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
     policy_spec(policy)
-    at_least("episodes", episodes, FEWEST_MOTIONS)
+    at_least("motions", motions, FEWEST_MOTIONS)
     check_seed(seed)
-    scenes = {
-        true: scene(arm, env=env, suit=true, gravity=gravity, usual={"gravity": GRAVITY})
-        for true in plant
-    }
+    if "suit" in options:
+        raise InputError(f"--suit is {options['suit']!r}, and --plant names the simulated suits")
+    usual = {"gravity": GRAVITY}
+    scenes = {true: scene({**options, "suit": true}, usual=usual) for true in plant}
     for chosen in scenes.values():
         refuse_observed(chosen.options, [policy])
         believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
@@ -130,20 +125,20 @@ def validate(
                 chosen,
                 options={
                     **chosen.options,
-                    "randomize": joined(drawn, chosen.options.get("randomize", {}), "randomize."),
+                    "randomize": {**chosen.options.get("randomize", {}), **drawn},
                 },
             )
             for true, chosen in scenes.items()
         }
     folder = RunFolder(out, force=force) if out else None
     first: dict[str, Trace] = {}
-    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed, first)
-    motions = write_motions(folder, scenes[plant[0]].place, first) if folder else []
+    cells, evaluations = _simulated(suits, scenes, policy, motions, seed, first)
+    shown = write_motions(folder, scenes[plant[0]].place, first) if folder else []
     _conclude(
-        *(cells, evaluations, scenes, policy, episodes, seed),
+        *(cells, evaluations, scenes, policy, motions, seed),
         folder=folder,
         json=json,
-        motions=motions,
+        shown=shown,
     )
 
 
@@ -165,14 +160,14 @@ def _simulated(
     suits: tuple[str, ...],
     scenes: Mapping[str, Scene],
     policy: str,
-    episodes: int,
+    motions: int,
     seed: int,
     first: dict[str, Trace],
 ) -> tuple[Cells, dict[str, Evaluation]]:
     """Simulates all cells; puts the first motion of each policy with the first plant in `first`."""
     cells: Cells = {}
     evaluations, labels = {}, names_of(suits)
-    total = (len(suits) + OTHERS) * len(scenes) * episodes
+    total = (len(suits) + OTHERS) * len(scenes) * motions
     with progress("validate", total) as bar:
 
         def report(name: str, traces: list[Trace]) -> None:
@@ -184,7 +179,7 @@ def _simulated(
                 chosen.env,
                 {labels[suit]: suit for suit in suits},
                 policy=policy,
-                episodes=episodes,
+                motions=motions,
                 seed=seed,
                 on_policy=report,
                 threads=0,
@@ -199,16 +194,16 @@ def _conclude(
     evaluations: Mapping[str, Evaluation],
     scenes: Mapping[str, Scene],
     policy: str,
-    episodes: int,
+    motions: int,
     seed: int,
     *,
     folder: RunFolder | None,
     json: bool,
-    motions: Sequence[dict[str, Any]],
+    shown: Sequence[dict[str, Any]],
 ) -> None:
     chosen = next(iter(scenes.values()))
     result: dict[str, Any] = {"env": chosen.env, "policy": policy}
-    result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
+    result |= {"motions": motions, "seed": seed, **chosen.options, "limits": LIMITS}
     del result["suit"]
     settings = {**result, "suits": [*dict.fromkeys(suit for suit, _ in cells)], "plant": [*scenes]}
     result["cells"] = [
@@ -243,7 +238,7 @@ def _conclude(
         folder=folder,
         json=json,
         settings=settings,
-        motions=motions,
+        motions=shown,
     )
 
 

@@ -170,7 +170,7 @@ def _profiles(folder: Path, contents: Contents) -> Iterator[Section]:
 SUBJECTS = {
     "demo": Subject("demo", "From measured loops to a compensated arm motion", _demo),
     "identify": Subject("identify", "Identified model", _loops),
-    "rig": Subject("measure rig", "Measured on the simulated rig", _loops),
+    "rig": Subject("rig", "Measured on the simulated rig", _loops),
     "simulate": Subject("simulate", "Simulated motion", _motions),
     "evaluate": Subject("evaluate", "Policies compared", _evaluate),
     "validate": Subject("validate", "Validation of a suit model", _motions),

@@ -17,7 +17,7 @@ from ...errors import InputError, shown
 from ..extensions import import_from_here
 from ..output import RunFolder, telling
 from ..own_files import is_own
-from ..runs import Scene
+from ..scene import Scene
 from .checkpoints import CHECKPOINT, Checkpoint
 from .distillation import USUAL, distill
 from .evaluations import MOTIONS, finished

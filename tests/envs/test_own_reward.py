@@ -79,7 +79,7 @@ def test_mistakes():
 
 def test_scores_stay_those_of_the_shipped_reward():
     with pytest.raises(InputError, match="scores are those of the shipped reward"):
-        evaluate("ActiveSuit/ArmTracking-v0", ["none"], episodes=8, reward=shipped)
+        evaluate("ActiveSuit/ArmTracking-v0", ["none"], motions=8, reward=shipped)
 
 
 def test_gymnasium_makes_it_with_a_name():

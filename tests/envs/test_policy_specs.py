@@ -157,7 +157,7 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
     scores = evaluate(
         "ActiveSuit/ElbowFlexion-v0",
         {"mine": "outside:Mine:gain=0.05", "more": {"name": "outside:Mine", "gain": 0.2}},
-        episodes=1,
+        motions=1,
         references=False,
         adapted=False,
     ).scores
@@ -216,7 +216,7 @@ def test_what_it_returns_is_checked(outside):
         ("shape", r"returns an action of shape \(3,\): return finite numbers .* shape \(1, 2\)"),
         ("raise", r"fails in act\(\) \(ZeroDivisionError: division by zero\): repair it"),
     ]
-    once = {"episodes": 1, "references": False, "adapted": False}
+    once = {"motions": 1, "references": False, "adapted": False}
     for bad, message in rows:
         policies = [f"outside:Mine:bad={bad}"]
         assert_refused(lambda given: evaluate(ELBOW, given, **once), [(policies, message)])

@@ -40,14 +40,14 @@ def test_it_acts_by_its_name():
 
 def test_the_scene_is_free(capsys):
     """It brings its sensors, and not the task and the place of its training."""
-    given = ["evaluate", "--task", "ArmTracking", "--episodes", "8", "--unadapted"]
+    given = ["evaluate", "--task", "ArmTracking", "--motions", "8", "--unadapted"]
     main([*given, "--policies", "my-network"])
     assert "my-network" in capsys.readouterr().out
 
 
 @pytest.mark.slow
 def test_the_benchmark_has_its_sensors(tmp_path):
-    given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes"]
+    given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--motions"]
     given += ["8", "--believed", "emu-like", "--workers", "1", "--backend", "threading"]
     with short_benchmark(1.0):
         main([*given, "--policies", "my-network", "--out", str(tmp_path / "run")])
@@ -57,7 +57,7 @@ def test_the_benchmark_has_its_sensors(tmp_path):
 def test_what_it_observes_cannot_be_given_beside_it(capsys):
     given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
     with pytest.raises(SystemExit):
-        main([*given, "--set", "history=3"])
+        main([*given, "--history", "3"])
     assert "what a policy observes follows from the policy" in capsys.readouterr().err
 
 
@@ -92,6 +92,6 @@ def test_what_ships_is_small_and_relieves(name, really_shipped):
     assert len(card.training["best_of_seeds"]) >= 3
     assert card.summary.endswith(".")
     found = evaluate(
-        "ActiveSuit/ArmTracking-v0", ["none", name], episodes=8, max_episode_steps=300, threads=1
+        "ActiveSuit/ArmTracking-v0", ["none", name], motions=8, max_episode_steps=300, threads=1
     )
     assert found.relief(name).low > found.relief("none").high

@@ -14,9 +14,9 @@ from helpers import content, fails
 ELBOW = str(curves_path("elbow"))
 WRITERS = {
     "identify": ["identify", ELBOW, "--joint", "elbow_flexion"],
-    "rig": ["measure", "rig"],
-    "demo": ["demo", "--trials", "1", "--episodes", "8"],
-    "evaluate": ["evaluate", "--episodes", "8"],
+    "rig": ["rig"],
+    "demo": ["demo", "--trials", "1", "--motions", "8"],
+    "evaluate": ["evaluate", "--motions", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit", "--plant", "mock-suit"],
     "benchmark": ["benchmark", "run"],

@@ -36,7 +36,7 @@ def small():
         tasks=("ElbowFlexion",),
         levels=("nominal",),
         believed=("emu-like",),
-        episodes=MOTIONS,
+        motions=MOTIONS,
     )
 
 
@@ -82,7 +82,7 @@ def test_beliefs_at_shift_are_of_another_suit():
 
 def test_a_trial_is_what_evaluate_says(small, results):
     found = evaluate(
-        "ActiveSuit/ElbowFlexion-v0", ["compensation"], episodes=MOTIONS, suit="emu-like"
+        "ActiveSuit/ElbowFlexion-v0", ["compensation"], motions=MOTIONS, suit="emu-like"
     )
     mine = {one.policy: one for one in results}
     np.testing.assert_allclose(
@@ -261,7 +261,7 @@ def test_mistakes():
         ({"tasks": ("Knee",)}, "unknown task 'Knee'"),
         ({"levels": ("easy",)}, "unknown level 'easy'"),
         ({"believed": ("nosuit",)}, "unknown suit 'nosuit'"),
-        ({"episodes": 7}, "episodes is 7: use at least 8"),
+        ({"motions": 7}, "motions is 7: use at least 8"),
         ({"policies": ("none", "none")}, "the policies are none, none: name each one once"),
     ]
     assert_refused(lambda options: suite("full", **options), rows)

@@ -81,7 +81,7 @@ def weightless(short, believed):
     found = evaluate(
         ENV,
         policies,
-        episodes=MOTIONS,
+        motions=MOTIONS,
         gravity="microgravity",
         threads=1,
         on_policy=lambda name, traces: reported.update({name: len(traces)}),
@@ -182,7 +182,7 @@ def test_what_rewards_say_agrees_with_relief(weightless):
 @pytest.fixture(scope="module")
 def unadapted(short):
     """Two motions of wearers who have learned nothing, under a name and a class."""
-    return evaluate(ENV, ["none", Push], episodes=2, adapted=False, threads=1)
+    return evaluate(ENV, ["none", Push], motions=2, adapted=False, threads=1)
 
 
 def test_wearers_who_have_learned_nothing(unadapted):
@@ -200,7 +200,7 @@ def test_two_motions_have_no_interval(unadapted):
 
 
 def test_without_references_there_is_no_relief(short):
-    found = evaluate(ENV, ["none"], episodes=1, suit="none", references=False, adapted=False)
+    found = evaluate(ENV, ["none"], motions=1, suit="none", references=False, adapted=False)
     assert found.suit_cost is None
     assert found.relief("none") is None
     assert found.share_of_bound("none") is None
@@ -209,7 +209,7 @@ def test_without_references_there_is_no_relief(short):
 
 def test_a_suit_without_pressure_costs_too_little_for_a_relief(short):
     found = evaluate(
-        ENV, ["none"], episodes=MOTIONS, suit=without_volume_shares(load_suit("emu-like")),
+        ENV, ["none"], motions=MOTIONS, suit=without_volume_shares(load_suit("emu-like")),
         pressure=0.0, gravity="microgravity", adapted=False, threads=1,
     )  # fmt: skip
     assert found.suit_cost.value < 0.01
@@ -218,7 +218,7 @@ def test_a_suit_without_pressure_costs_too_little_for_a_relief(short):
 
 def test_no_wearer_adapts_to_a_policy_that_loses_the_arm(short):
     weak = {"sex": "female", "stature": 1.5, "mass": 50.0, "strength": 5.0}
-    options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "episodes": 1}
+    options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "motions": 1}
     found = evaluate(ENV, {"lose": Lose}, adapted=False, **options)
     assert found.scores["lose"].failures == 1
     with pytest.raises(InputError, match=r"loses the arm after .* s \(seed 10000\).*adapted=False"):
@@ -276,9 +276,7 @@ def test_a_plan_rations_the_heat_of_motors():
 
 def test_named_policies_see_units_whatever_others_see(short):
     reported = [
-        evaluate(
-            ENV, ["compensation", Push], episodes=2, references=False, adapted=False, **options
-        )
+        evaluate(ENV, ["compensation", Push], motions=2, references=False, adapted=False, **options)
         for options in ({}, {"normalize": True}, {"belief": {}, "sensors": ["encoders", "belief"]})
     ]
     assert len({one.scores["compensation"].effort for one in reported}) == 1
@@ -290,7 +288,7 @@ def test_mistakes(short):
     rows = [
         (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
         (["nune"], {}, "unknown policy 'nune'.*'none'"),
-        (["none"], {"episodes": 0}, "episodes is 0"),
+        (["none"], {"motions": 0}, "motions is 0"),
         ([], {}, "no policy given"),
         ("none", {}, r"policies is 'none': give a list"),
         (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
@@ -312,7 +310,7 @@ def test_mistakes(short):
     ]
     assert_refused(
         lambda policies, options: evaluate(
-            ENV, policies, **{"references": "suit" in options, "episodes": 1, **options}
+            ENV, policies, **{"references": "suit" in options, "motions": 1, **options}
         ),
         rows,
     )

@@ -9,7 +9,7 @@ from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
 
 ELBOW = "ActiveSuit/ElbowFlexion-v0"
-FEW = {"episodes": 2, "references": False, "max_episode_steps": 100}
+FEW = {"motions": 2, "references": False, "max_episode_steps": 100}
 
 
 class Rehearses:

@@ -124,7 +124,7 @@ def test_every_torque_error_has_its_interval(six):
 def test_relief_is_compared_motion_by_motion(monkeypatch):
     shorten_tasks(monkeypatch, 1.0)
     believed = {"exact": "emu-like", "other": "mock-suit"}
-    found, validations = validate(ENV, believed, episodes=8, suit="emu-like", **WEIGHTLESS)
+    found, validations = validate(ENV, believed, motions=8, suit="emu-like", **WEIGHTLESS)
     exact, other = (validations[name] for name in believed)
     for one in (other.relief, other.difference, other.share_of_true, other.share_of_bound):
         assert one.low <= one.value <= one.high
@@ -193,4 +193,4 @@ def test_beliefs_that_cannot_be_validated():
     with pytest.raises(InputError, match="and neither shoulder_flexion nor elbow_flexion"):
         validate(ENV, {"mine": wrist}, suit="mock-suit", **WEIGHTLESS)
     with pytest.raises(InputError, match="episodes is 7: use at least 8"):
-        validate(ENV, {"mine": elbow}, episodes=7, suit="mock-suit", **WEIGHTLESS)
+        validate(ENV, {"mine": elbow}, motions=7, suit="mock-suit", **WEIGHTLESS)

@@ -31,7 +31,7 @@ def test_gymnasium_accepts_it():
 
 
 def test_muscles_follow_the_intention():
-    for options in ({"suit": "none", "gravity": "weightless"}, {}, {"suit": "emu-like"}):
+    for options in ({"suit": "none", "gravity": "microgravity"}, {}, {"suit": "emu-like"}):
         found, _ = run(**options)
         assert np.abs(found[:, 0]).max() < 0.1
         assert np.abs(found[:, 3]).max() < 1e-3
@@ -47,7 +47,7 @@ def test_a_motor_that_cancels_the_suit_relieves_the_muscles():
     def cancel(env):
         return -env.data.sensor("elbow_flexion_r_suit_torque").data[0] / PEAK
 
-    options = {"suit": "emu-like", "gravity": "weightless", "contraction": 0.0}
+    options = {"suit": "emu-like", "gravity": "microgravity", "contraction": 0.0}
     bare, alone, helped = (
         run(action, **{**options, **more})[0][20:, 1].mean()
         for action, more in (
@@ -67,7 +67,7 @@ def test_contraction_makes_antagonists_work_and_costs_reward():
 
 
 def test_a_push_moves_the_elbow_and_the_wearer_comes_back():
-    options = {"suit": "none", "gravity": "weightless"}
+    options = {"suit": "none", "gravity": "microgravity"}
     still, pushed = (run(steps=250, push=push, **options)[0][:, 0] for push in (0.0, 2.0))
     away = np.abs(pushed - still)
     assert away[:100].max() == 0

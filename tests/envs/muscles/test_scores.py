@@ -14,14 +14,14 @@ from activesuit.errors import InputError
 TASK, SHORT = "ActiveSuit/ElbowFlexion-v0", {"max_episode_steps": 60}
 
 
-def motions(policies=("none",), episodes=2, **options):
+def motions(policies=("none",), count=2, **options):
     options = {"gravity": "earth", "adapted": False, **SHORT, **options}
-    return evaluate(TASK, list(policies), episodes=episodes, **options).traces
+    return evaluate(TASK, list(policies), motions=count, **options).traces
 
 
 @pytest.fixture(scope="module")
 def traces():
-    return motions(episodes=8)
+    return motions(count=8)
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,7 @@ def test_motions_that_end_at_once_have_no_value(traces):
 
 
 def test_wearers_who_tire_cannot_be_scaled():
-    tired = motions(episodes=1, references=False, fatigue=True)
+    tired = motions(count=1, references=False, fatigue=True)
     with pytest.raises(InputError, match="MyoArm is scaled by one factor: leave fatigue out"):
         muscle_scores(tired["none"])
 

@@ -153,7 +153,7 @@ def test_the_c_code_in_the_loop_relieves_as_the_policy_does(tmp_path, monkeypatc
     found = evaluate(
         "ActiveSuit/ElbowFlexion-v0",
         ["compensation", "loop:OnDevice"],
-        episodes=8,
+        motions=8,
         gravity="earth",
         max_episode_steps=150,
     )

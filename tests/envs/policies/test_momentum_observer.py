@@ -49,7 +49,7 @@ def test_it_finds_a_torque_on_a_moving_arm():
 
 
 def test_it_needs_no_model_of_the_suit():
-    options = {"episodes": 1, "gravity": "microgravity", "adapted": False, "references": False}
+    options = {"motions": 1, "gravity": "microgravity", "adapted": False, "references": False}
     options |= {"suit": "emu-like"}
     policies = ("none", "observer", "compensation:suit=mock-suit")
     scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores

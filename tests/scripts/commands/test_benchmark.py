@@ -15,7 +15,7 @@ from pages import checked_page
 
 SMALL = (
     *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
-    *("emu-like", "--policies", "none", "compensation", "--episodes", "8"),
+    *("emu-like", "--policies", "none", "compensation", "--motions", "8"),
     *("--workers", "1", "--backend", "threading"),
 )
 FILES = ("results.jsonl", "tables.md")

@@ -1,4 +1,4 @@
-"""`activesuit measure design`, and its record over the rig to a fit of nested loops."""
+"""`activesuit design`, and its record over the rig to a fit of nested loops."""
 
 import json
 
@@ -11,10 +11,10 @@ from helpers import run
 
 def test_design_rig_identify(capsys, tmp_path, undrawn):
     motion, measured = tmp_path / "motion.csv", tmp_path / "rig" / "elbow_flexion.csv"
-    reported = run(capsys, "measure", "design", curves_path("elbow"), "--out", motion)
+    reported = run(capsys, "design", curves_path("elbow"), "--out", motion)
     assert "from 0.52 to 1.57 rad" in reported
-    assert f"wrote {motion}; next: activesuit measure rig --motion {motion}" in reported
-    run(capsys, "measure", "rig", "--motion", motion, "--out", tmp_path / "rig")
+    assert f"wrote {motion}; next: activesuit rig --motion {motion}" in reported
+    run(capsys, "rig", "--motion", motion, "--out", tmp_path / "rig")
     (record,) = load_curves(measured)
     assert (record.name, record.role) == ("motion", "fit")
     assert record.time is not None
@@ -36,7 +36,7 @@ def test_the_record_is_data_and_keeps_the_limits(capsys, tmp_path):
     out = tmp_path / "new.csv"
     limits = ["--min-rate", 0.05, "--max-rate", 0.2, "--sample-rate", 10]
     result = json.loads(
-        run(capsys, "measure", "design", "--range", -0.2, 0.4, *limits, "--out", out, "--json")
+        run(capsys, "design", "--range", -0.2, 0.4, *limits, "--out", out, "--json")
     )
     time, angle = load_motion(out)
     assert (angle[0], angle[-1]) == (-0.2, -0.2)
@@ -51,6 +51,6 @@ def test_the_record_is_data_and_keeps_the_limits(capsys, tmp_path):
 
 def test_it_begins_where_the_curves_begin(capsys, tmp_path):
     (tmp_path / "down.csv").write_text("curve,angle_rad,torque_nm\nA,1,0\nA,0.2,1\nA,0.9,2\n")
-    run(capsys, "measure", "design", tmp_path / "down.csv", "--out", tmp_path / "new.csv")
+    run(capsys, "design", tmp_path / "down.csv", "--out", tmp_path / "new.csv")
     angle = load_motion(tmp_path / "new.csv").angle
     assert (angle[0], angle.min()) == (1, pytest.approx(0.2))

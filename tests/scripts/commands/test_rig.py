@@ -1,4 +1,4 @@
-"""`activesuit measure rig`: from the simulated rig to a suit that simulates."""
+"""`activesuit rig`: from the simulated rig to a suit that simulates."""
 
 import json
 
@@ -13,7 +13,7 @@ from helpers import run
 
 @pytest.mark.slow
 def test_rig_identify_simulate(capsys, tmp_path, undrawn):
-    out = run(capsys, "measure", "rig", "--noise", 0.05, "--out", tmp_path)
+    out = run(capsys, "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     loops = {"loops.csv", "loops.png", "loops.svg"}
     own = {"elbow_flexion.csv", "config.json", "report.html", "report.json"}
@@ -31,12 +31,12 @@ def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--suit", suit, "--json"]
     out = run(capsys, "simulate", *arguments, "--out", tmp_path / "motion")
     assert json.loads(out)["failures"] == 0
-    run(capsys, "measure", "rig", "--suit", suit, "--out", tmp_path / "again")
+    run(capsys, "rig", "--suit", suit, "--out", tmp_path / "again")
 
 
 def test_what_is_written(capsys, tmp_path, undrawn):
     arguments = ["--turns", 0.9, 1.2, 1.1, 1.0, "--sample-rate", 10, "--out", tmp_path]
-    result = json.loads(run(capsys, "measure", "rig", *arguments, "--json"))
+    result = json.loads(run(capsys, "rig", *arguments, "--json"))
     roles = {"0.90": "fit", "1.20": "fit", "1.10": "fit", "1.00": "predict"}
     assert {one["name"]: one["role"] for one in result["measured"]} == roles
     curves = load_curves(result["curves"])
@@ -50,7 +50,7 @@ def test_what_is_written(capsys, tmp_path, undrawn):
     assert config["turns"] == [0.9, 1.2, 1.1, 1.0]
     assert config["predict"] == [1.0]
     assert config["start_angle"] == 0.52
-    run(capsys, "measure", "rig", *arguments, "--predict", 1.1, "--force")
+    run(capsys, "rig", *arguments, "--predict", 1.1, "--force")
     assert [curve.role for curve in load_curves(result["curves"])] == [
         "fit",
         "fit",
@@ -65,6 +65,6 @@ def test_an_interrupted_measurement_leaves_nothing(capsys, tmp_path, monkeypatch
 
     monkeypatch.setattr(command, "run_rig", interrupt)
     with pytest.raises(SystemExit):
-        main(["measure", "rig", "--out", str(tmp_path / "out")])
+        main(["rig", "--out", str(tmp_path / "out")])
     assert "interrupted" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

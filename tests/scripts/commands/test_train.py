@@ -89,7 +89,7 @@ def test_writes_config_checkpoint_and_logs(run):
 
 
 def test_trained_policy_is_evaluated_as_it_was_trained(run, capsys):
-    main(["evaluate", "--unadapted", "--episodes", "8", "--json", "--policies", "none", str(run)])
+    main(["evaluate", "--unadapted", "--motions", "8", "--json", "--policies", "none", str(run)])
     result = json.loads(capsys.readouterr().out)
     assert result["env"] == "ActiveSuit/ElbowFlexion-v0"
     assert (result["gravity"], result["payload"]) == ("moon", {"mass": 2.0})
@@ -156,7 +156,7 @@ def test_a_suit_file_comes_with_the_run(tmp_path, capsys, monkeypatch):
     save_suit(load_suit("emu-like"), tmp_path / "mine.json")
     monkeypatch.chdir(tmp_path)
     train("run", "--suit", "mine.json")
-    simulated = ["evaluate", "--unadapted", "--episodes", "8", "--json", "--policies", "run"]
+    simulated = ["evaluate", "--unadapted", "--motions", "8", "--json", "--policies", "run"]
     main([*simulated, "--suit", "mine.json"])
     capsys.readouterr()
     Path("mine.json").unlink()
@@ -259,7 +259,7 @@ def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
     said = capsys.readouterr()
     assert hint in said.out.replace("\n", " ")
     assert NEGATIVE not in said.err  # that of the shipped reward
-    score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
+    score = ["evaluate", "--motions", "8", "--unadapted", "--json", "--policies"]
     main([*score, "none", str(tmp_path / "run"), "compensation"])
     result = json.loads(capsys.readouterr().out)
     assert (result["env"], result["level"]) == ("ActiveSuit/ArmTracking-v0", "shift")
@@ -448,7 +448,7 @@ def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
 @pytest.mark.slow
 def test_several_seeds(tmp_path, capsys):
     given = [*WEIGHTLESS, "--seeds", "3,5", "--motions", "8"]
-    given += ["--belief", "mock-suit", "--sensors", "encoders", "preview"]
+    given += ["--belief.suit", "mock-suit", "--sensors", "encoders", "preview"]
     train(tmp_path / "all", *given, steps=ROLLOUT)
     assert "interquartile mean of the relief" in capsys.readouterr().out
     found = json.loads((tmp_path / "all" / "result.json").read_text())
@@ -483,19 +483,26 @@ def test_trainings_of_different_seeds_meet_different_motions(tmp_path):
 @pytest.mark.slow
 def test_what_is_believed_and_drawn(tmp_path, capsys):
     """The believed suit is in the card; the drawn ones are of the training alone."""
-    given = ["--suit", "emu-like", "--belief", "mock-suit"]
+    given = ["--suit", "emu-like", "--belief.suit", "mock-suit"]
     train(tmp_path / "run", *given)
     card = json.loads((tmp_path / "run" / "policy.json").read_text())
     assert card["environment"]["belief"] == {"suit": "mock-suit"}
     assert card["environment"]["sensors"] == ["encoders", "belief"]
     capsys.readouterr()
-    score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
+    score = ["evaluate", "--motions", "8", "--unadapted", "--json", "--policies"]
     main([*score, str(tmp_path / "run")])
     assert json.loads(capsys.readouterr().out)["suit"] == "emu-like"
-    other = ["--belief", "emu-like", "--teacher", tmp_path / "run", "--out", tmp_path / "student"]
+    other = [
+        "--belief.suit",
+        "emu-like",
+        "--teacher",
+        tmp_path / "run",
+        "--out",
+        tmp_path / "student",
+    ]
     message = fails(capsys, "train", "--suit", "emu-like", *other)
     assert "student and teacher observe different beliefs: leave --belief out" in message
-    train_student(tmp_path / "student", 1, *STUDENT[:-1], "0", "--belief", "mock-suit")
+    train_student(tmp_path / "student", 1, *STUDENT[:-1], "0", "--belief.suit", "mock-suit")
     card = json.loads((tmp_path / "student" / "policy.json").read_text())
     assert card["environment"]["sensors"] == ["encoders", "belief"]
 

@@ -48,7 +48,7 @@ def motions(tmp_path_factory):
     folder = tmp_path_factory.mktemp("motions") / "run"
     with pytest.MonkeyPatch.context() as patch, without_figures():
         shorten_tasks(patch, 0.5)
-        policies = ("none", "compensation", "--episodes", "8", "--unadapted")
+        policies = ("none", "compensation", "--motions", "8", "--unadapted")
         main(["evaluate", "--policies", *policies, "--out", str(folder)])
     return used(folder)
 

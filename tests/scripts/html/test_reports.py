@@ -23,10 +23,10 @@ from helpers import one_sentence, shorten_tasks, without_figures
 from pages import checked_page, parsed
 
 ELBOW = str(curves_path("elbow"))
-FEW = ("--episodes", "8")
+FEW = ("--motions", "8")
 RUNS = {
     "identify": ("identify", ELBOW, "--samples", "2"),
-    "rig": ("measure", "rig"),
+    "rig": ("rig",),
     "simulate": ("simulate", "--policy", "compensation", "--side", "left", "--coupling", "cuffs"),
     "evaluate": ("evaluate", "--policies", "none", "compensation", "--unadapted", *FEW),
     "validate": ("validate", "mock-suit", "--plant", "emu-like", *FEW),
