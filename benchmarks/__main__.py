@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 
 from ..scripts.main import mistakes_reported
-from ..scripts.parsing import parsed
+from ..scripts.options import parsed
 from .bench import bench
 
 

@@ -39,6 +39,7 @@ Topic = Literal[
     "first-use",
 ]
 PAIRS = 9
+CASES = "honesty.json"  # the first file of a folder of cases
 FEW, MANY = 25, 200  # cases of honesty, with --quick and without
 CHANGES = 10  # of the plan of each motion
 
@@ -84,7 +85,7 @@ def bench(
     if worlds and topic != "gpu":
         raise InputError(f"--worlds belongs to gpu, not to {topic}: leave it out")
     if topic == "honesty":
-        folder = RunFolder(out, force=force, resumes="config.json") if out else None
+        folder = RunFolder(out, force=force, resumes=(out / CASES).exists()) if out else None
         _count(repeats or (FEW if quick else MANY), seed, folder, json)
         return
     if quick or out is not None or seed or force:
@@ -106,7 +107,7 @@ def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> Non
     from . import honesty
 
     if folder:
-        folder.json("config.json", {"topic": "honesty"})  # so that the run may go on in it
+        folder.json(CASES, {"topic": "honesty"})  # so that the run may go on in it
     found = honesty.honesty(repeats, seed, folder.path if folder else None)
     report = Report(
         heading="How often verdicts are right",

@@ -77,7 +77,7 @@ def _score(suit: str, gravity: str, payload: float) -> Score:
     found = evaluate(
         TASK,
         ["none"],
-        episodes=EPISODES,
+        motions=EPISODES,
         references=False,
         allow_uncertified=True,
         **options,

@@ -33,8 +33,8 @@ def settings(motions: int = MOTIONS) -> dict[str, Any]:
                 "gravity": gravity,
                 "coupling": coupling,
             }
-            one: Evaluation = evaluate(ENV, policies, episodes=motions, threads=0, **options)
+            one: Evaluation = evaluate(ENV, policies, motions=motions, threads=0, **options)
             found.append({"env": ENV, **options, **one.to_dict()})
             tables[f"{gravity}, {suit}, {coupling}"] = one.tables()["Scores"]
             bar.advance()
-    return {"episodes": motions, "seed": FIRST_SEED, "settings": found, "tables": tables}
+    return {"motions": motions, "seed": FIRST_SEED, "settings": found, "tables": tables}

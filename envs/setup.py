@@ -72,7 +72,7 @@ class Setup:
             task: Task, which decides place and fatigue where no option does.
             options: Options by their names; those of `level` apply where none is given.
         """
-        refuse_old_names(options, {"taught": "learned_torque"})
+        refuse_old_names(options, {"taught": "learned_torque", "episodes": "motions"})
         for name in options:
             if name not in OPTIONS:
                 raise unknown_name("option", name, OPTIONS)

@@ -50,7 +50,7 @@ def main(
     policies: tuple[str, ...] = ("none", "transparent", "feedforward", "compensation"),
     at: float = 2.0,
     horizon: float = 1.0,
-    episodes: int = 20,
+    motions: int = 20,
     quick: bool = False,
 ) -> None:
     """Compares the next second of the same motions under policies.
@@ -61,21 +61,21 @@ def main(
         policies: Policies from there on.
         at: Time of the branch point [s].
         horizon: Duration of a branch [s].
-        episodes: Number of motions, at least 8.
+        motions: Number of motions, at least 8.
         quick: Few motions of a short task, to see that the program runs.
     """
     if quick:
-        task, episodes = "ElbowFlexion", 8
+        task, motions = "ElbowFlexion", 8
     suites = [name for one in (base, *policies) for name in needed_options(one).get("sensors", ())]
     wearers = Wearers(
         f"ActiveSuit/{task}-v0",
-        episodes,
+        motions,
         suit="emu-like",
         gravity="microgravity",
         sensors=list(dict.fromkeys(suites)) or ["encoders"],
         normalize=False,
     )
-    arms, seeds = wearers.arms, range(FIRST_SEED, FIRST_SEED + episodes)
+    arms, seeds = wearers.arms, range(FIRST_SEED, FIRST_SEED + motions)
     made = {name: make_policy(name, arms) for name in policies}
     made[PLAN] = clairvoyant(wearers, seeds)
     seen, past = moved(arms, make_policy(base, arms), seeds, round(at / arms.control_dt))
@@ -86,7 +86,7 @@ def main(
     best = effort(futures[PLAN])
     regrets = {name: mean_interval(effort(future) - best) for name, future in futures.items()}
     wearers.close()
-    print(f"{task}, {episodes} motions, after {at:g} s of {base}, for {horizon:g} s\n")
+    print(f"{task}, {motions} motions, after {at:g} s of {base}, for {horizon:g} s\n")
     show(futures, regrets)
     drawn(past[at - past[:, 0, 0] <= SHOWN], futures, regrets).savefig("branch.png", dpi=150)
 

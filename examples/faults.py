@@ -53,7 +53,7 @@ FAULTS = {  # fields of `activesuit.envs.simulation.faults.Faults`
 def main(
     policies: tuple[str, ...] = ("compensation", "adaptive", "observer", "impedance"),
     task: str = "ElbowFlexion",
-    episodes: int = 20,
+    motions: int = 20,
     quick: bool = False,
 ) -> None:
     """Compares motions with a fault with the same motions without.
@@ -61,16 +61,16 @@ def main(
     Args:
         policies: Policies of the exoskeleton.
         task: Task of the wearers.
-        episodes: Number of motions, at least 8.
+        motions: Number of motions, at least 8.
         quick: Few motions and one policy, to see that the program runs.
     """
     if quick:
-        policies, episodes = policies[:1], 8
-    env_id, seeds = f"ActiveSuit/{task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
-    found = evaluate(env_id, ["none"], episodes=episodes).scores
+        policies, motions = policies[:1], 8
+    env_id, seeds = f"ActiveSuit/{task}-v0", range(FIRST_SEED, FIRST_SEED + motions)
+    found = evaluate(env_id, ["none"], motions=motions).scores
     references = found["unsuited"].effort, found["suited"].effort
     moved: dict[str, dict[str, Interval]] = {}
-    print(f"{task}, {episodes} motions\n")
+    print(f"{task}, {motions} motions\n")
     print(f"{'policy':14}{'fault':23}success  {'relief':24}{'moved [mrad]':18}loaded [N·m]")
     for policy in policies:
         moved[policy] = {}

@@ -58,7 +58,7 @@ def main(
     suit: str = "emu-like",
     task: str = "MinorLoops",
     classes: tuple[str, ...] = ("own", "preisach"),
-    episodes: int = 20,
+    motions: int = 20,
     seed: int = 0,
     quick: bool = False,
 ) -> None:
@@ -68,13 +68,13 @@ def main(
         suit: Suit that is simulated and measured.
         task: Task of the wearers.
         classes: Classes of its models in the simulation: its own, or one that is fitted first.
-        episodes: Number of motions, at least 8.
+        motions: Number of motions, at least 8.
         seed: Seed of the measurements.
         quick: Few motions of a short task, to see that the program runs.
     """
     models = WITH_MEMORY
     if quick:
-        task, classes, episodes, models = "ElbowFlexion", ("own",), 8, {"Dahl": "dahl"}
+        task, classes, motions, models = "ElbowFlexion", ("own",), 8, {"Dahl": "dahl"}
     found = {}
     for kind in classes:
         simulated = of_class(load_suit(suit), kind, seed)
@@ -85,7 +85,7 @@ def main(
                 f"ActiveSuit/{task}-v0",
                 {name: compensation(joints) for name, joints in beliefs.items()}
                 | {TRUE: compensation(None)},
-                episodes=episodes,
+                motions=motions,
                 suit=simulated,
                 gravity=GRAVITY,
             ),
@@ -95,7 +95,7 @@ def main(
     for axes, (name, (beliefs, evaluation)) in zip(grid.T, found.items(), strict=True):
         traces = evaluation.traces
         errors = {one: torque_error(joints, traces[one]) for one, joints in beliefs.items()}
-        print(f"{task}, {episodes} motions, {name}, {GRAVITY}\n")
+        print(f"{task}, {motions} motions, {name}, {GRAVITY}\n")
         show(evaluation, {**errors, TRUE: 0.0})
         draw(axes, name, evaluation, {**errors, TRUE: 0.0})
     grid[0, 0].set_ylabel("relief")

@@ -59,8 +59,9 @@ WAYS = {  # options of `activesuit train`
     "ppo-history": "--history 5",
     "residual": COMPENSATION,
     "residual-history": f"{COMPENSATION} --history 5",
-    "residual-guided": f"{COMPENSATION} --set control.stiff=true",  # wearers led by stiff hands
-    "residual-drawn": f"{COMPENSATION} --history 5 --level randomized --suits mock-suit emu-like",
+    "residual-guided": f"{COMPENSATION} --control.stiff",  # wearers led by stiff hands
+    "residual-drawn": f"{COMPENSATION} --history 5 --level randomized "
+    "--randomize.suits mock-suit emu-like",
     "student": "--teacher adaptive:suit=mock-suit --history 10",
 }
 BESIDE = {  # policies that do not learn, with color and line

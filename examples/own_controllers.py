@@ -116,7 +116,7 @@ def main(quick: bool = False) -> None:
     evaluations = {}
     for title, (task, options, names) in list(SETTINGS.items())[-1 if quick else 0 :]:
         policies = named(names, wrong=options.get("level") == "shift")
-        found = evaluate(f"ActiveSuit/{task}-v0", policies, episodes=8, **options)
+        found = evaluate(f"ActiveSuit/{task}-v0", policies, motions=8, **options)
         report(title, names, found)
         evaluations[title] = found
     draw(evaluations).savefig("own_controllers.png", dpi=150)

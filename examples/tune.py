@@ -98,10 +98,10 @@ def tuned(policy: PolicySpec, evaluations: int, seed: int) -> tuple[PolicySpec, 
     return (best, before, after) if after < before else (policy, before, before)
 
 
-def reliefs(task: str, policies: dict[str, PolicySpec], episodes: int) -> dict[str, float]:
+def reliefs(task: str, policies: dict[str, PolicySpec], motions: int) -> dict[str, float]:
     """Returns the relief of each policy in a task, in motions that tuning has not seen."""
     env, options = scene(task)
-    found = evaluate(env, policies, episodes=episodes, **options)
+    found = evaluate(env, policies, motions=motions, **options)
     intervals = {name: found.relief(name) for name in policies}
     return {name: np.nan if one is None else one.value for name, one in intervals.items()}
 
@@ -110,7 +110,7 @@ def main(
     policies: tuple[str, ...] = ("compensation", "disturbance-observer"),
     evaluations: int = 16,
     seed: int = 0,
-    episodes: int = 10,
+    motions: int = 10,
     quick: bool = False,
 ) -> None:
     """Tune the options of policies within a budget, the same for all.
@@ -119,12 +119,12 @@ def main(
         policies: Policies to tune.
         evaluations: Number of evaluations of each.
         seed: Seed of CMA-ES.
-        episodes: Number of motions of the comparison in each task, at least 8.
+        motions: Number of motions of the comparison in each task, at least 8.
         quick: Tune one policy with two evaluations, and compare in one task.
     """
     tasks: tuple[Sequence[str], ...] = (TUNED, OTHERS)
     if quick:
-        policies, evaluations, episodes, tasks = policies[-1:], 2, 8, (TUNED[:1],)
+        policies, evaluations, motions, tasks = policies[-1:], 2, 8, (TUNED[:1],)
     usual = {one: policy_spec(one) for one in policies}
     print(f"{'policy':22}{'effort':>17}{'option':>16}{'from':>8}{'to':>8}{'tuned':>9}")
     better: dict[str, PolicySpec] = {}
@@ -142,7 +142,7 @@ def main(
         for way, group in (("usual", usual), ("tuned", better))
         for text, one in group.items()
     }
-    by_task = {task: reliefs(task, both, episodes) for group in tasks for task in group}
+    by_task = {task: reliefs(task, both, motions) for group in tasks for task in group}
     for text in policies:
         means = (
             [

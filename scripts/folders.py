@@ -32,7 +32,7 @@ class RunFolder:
     Args:
         path: Path of the folder, which is made if it does not exist.
         force: Whether to write into a folder that is not empty, and over its files.
-        resumes: Name of a file that a run writes first; where it is there, the run goes on.
+        resumes: Whether the folder holds what the command has begun and goes on with.
 
     Attributes:
         path: Path of the folder.
@@ -42,7 +42,7 @@ class RunFolder:
             writes into it.
     """
 
-    def __init__(self, path: Path, *, force: bool = False, resumes: str | None = None) -> None:
+    def __init__(self, path: Path, *, force: bool = False, resumes: bool = False) -> None:
         self.path = path
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: give the folder itself as --out")
@@ -57,7 +57,7 @@ class RunFolder:
             ) from error
         if not os.access(path, os.W_OK | os.X_OK):
             raise InputError(f"cannot write into {str(path)!r}: choose another --out")
-        if present and not force and resumes not in present:
+        if present and not (force or resumes):
             more = f" and {len(present) - FEW} more" if len(present) > FEW else ""
             raise InputError(
                 f"{str(path)!r} is not empty, it holds {', '.join(map(shown, present[:FEW]))}{more}"

@@ -12,7 +12,7 @@ from .. import __version__
 from ..errors import InputError, refuse_old_names, unknown_name
 from ..text import visible
 from .engine_log import engine_warnings
-from .folders import close_folders
+from .names import check_names
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -62,6 +62,7 @@ _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
 MOVED = {  # commands that are gone, and what to run in their place
     **{f"measure {name}": f"activesuit {name}" for name in ("design", "rig")},
+    "measure": "activesuit design or activesuit rig",
     "animate": "activesuit view --film FILE",
     "warm": "activesuit doctor --compile",
     "report": "the command of that folder again, which makes its page",
@@ -76,12 +77,20 @@ MOVED = {  # commands that are gone, and what to run in their place
     **dict.fromkeys(("reproduce li-2022", "study"), _PAPER.format("li_2022")),
     **dict.fromkeys(("reproduce kao-fung-2009", "kao-fung"), _PAPER.format("kao_fung_2009")),
 }
-OLD_OPTIONS = {
-    "--naive": "--unadapted",
-    "--video": "activesuit view --film FILE",
-    "--width": "--size WIDTH HEIGHT",
-    "--height": "--size WIDTH HEIGHT",
-    "--export": "load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
+OLD_OPTIONS = {  # of version 0.2, and what to do in their place
+    **{
+        f"--{old}": f"write --{new}"
+        for old, new in {
+            **{name: f"wearer.{name}" for name in ("stature", "mass", "sex", "strength")},
+            **{"episodes": "motions", "naive": "unadapted", "suits": "randomize.suits"},
+            **{"samples": "randomize.suit samples", "belief": "belief.suit"},
+        }.items()
+    },
+    "--set": "write --NAME VALUE for each, as in --fatigue true --sensing.rate-cutoff 10",
+    "--video": "run activesuit view --film FILE",
+    "--export": "run load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
+    "--pose": "leave it out, since a picture shows the beginning of the motion",
+    **dict.fromkeys(("--width", "--height"), "write --size WIDTH HEIGHT"),
 }
 
 
@@ -115,7 +124,8 @@ def mistakes_reported() -> Iterator[None]:
     except OSError as error:
         _stop(f"error: {InputError(error)}")  # which is short, and one line
     finally:
-        close_folders()
+        if folders := sys.modules.get(f"{__package__}.folders"):
+            folders.close_folders()
 
 
 @contextmanager
@@ -157,16 +167,16 @@ def _run(arguments: Sequence[str]) -> None:
         _run_command(*command_of(arguments))
 
 
-def command_of(arguments: Sequence[str]) -> tuple[str, Callable[..., None], Sequence[str]]:
-    """Returns the name of a command, its function, and the arguments behind its name."""
+def command_of(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
+    """Returns the name of a command, and the arguments behind the name."""
     for old, new in MOVED.items():
         if list(arguments[: old.count(" ") + 1]) == old.split():
             raise InputError(f"{old!r} is no command since version 0.3: run {new}")
     name, *rest = arguments
     if rest and f"{name} {rest[0]}" in COMMANDS:
-        return f"{name} {rest[0]}", _function(rest[0]), rest[1:]
+        return f"{name} {rest[0]}", rest[1:]
     if name in COMMANDS:
-        return name, _function(name), rest
+        return name, rest
     if name in PARTS:
         raise unknown_name(f"part of {name}", rest[0], PARTS[name])
     refuse_old_names([name], RENAMED)
@@ -193,21 +203,22 @@ def _help_of_parts(name: str) -> str:
     return "\n".join([f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines])
 
 
-def _function(name: str) -> Callable[..., None]:
-    name = name.replace("-", "_")
+def function_of(name: str) -> Callable[..., None]:
+    """Returns the function of a command."""
+    name = name.rsplit(maxsplit=1)[-1]
     return getattr(import_module(f".commands.{name}", __package__), name)
 
 
-def _run_command(name: str, command: Callable[..., None], arguments: Sequence[str]) -> None:
+def _run_command(name: str, arguments: Sequence[str]) -> None:
+    check_names(name, arguments, OLD_OPTIONS)
     from .extensions import import_from_here, load_extensions
-    from .parsing import parsed
+    from .options import parsed
 
-    refuse_old_names(arguments, OLD_OPTIONS)
     load_extensions()
     # A policy or an environment as module:name, or a file of a policy that may have one.
     if "--trust" in arguments or any(":" in given for given in arguments):
         import_from_here()
-    call = parsed(command, f"activesuit {name}", arguments)
+    call = parsed(function_of(name), f"activesuit {name}", arguments)
     with engine_warnings():
         call()
 

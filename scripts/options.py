@@ -1,18 +1,212 @@
-"""Options that several commands share: each has one name, one type and one help text."""
+"""Options of commands: the fields of `Setup` as flags, and those that several commands share.
 
+A flag of the environment is declared by its field alone, which has name, type, default, range and
+text: `--sensing.rate-cutoff` is `rate_cutoff` of `Sensing`.
+"""
+
+import functools
+import inspect
+import io
+import re
 from ast import literal_eval
-from collections.abc import Callable, Iterable
-from typing import Annotated, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import redirect_stderr
+from dataclasses import field, fields, is_dataclass, make_dataclass
+from types import NoneType
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
+
+from ..errors import InputError, shown
+
+SHORT = re.compile("^--payload(=|$)")  # of --payload.mass
+FRAME = " │╭╮╰╯"
+ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message that take many lines
+
+
+def parsed(
+    command: Callable[..., None], program: str, arguments: Sequence[str]
+) -> Callable[[], None]:
+    """Returns a call of the command with the arguments of a command line."""
+    if any(one.kind is one.VAR_KEYWORD for one in inspect.signature(command).parameters.values()):
+        arguments = [SHORT.sub(r"--payload.mass\1", one) for one in arguments]
+    said, call = io.StringIO(), with_flags(command)
+    try:
+        with redirect_stderr(said):
+            return tyro.cli(
+                call, prog=program, args=arguments, config=(tyro.conf.FlagCreatePairsOff,)
+            )
+    except SystemExit as end:
+        if not end.code:
+            raise
+        raise InputError(f"{_sentence(said.getvalue())}; see {program} --help") from None
+
+
+def with_flags(command: Callable[..., None]) -> Callable[..., Callable[[], None]]:
+    """Returns a function with a parameter for each flag, which returns a call of the command."""
+    kinds = inspect.Parameter
+    own, hints = inspect.signature(command).parameters, get_type_hints(command, include_extras=True)
+    of_scene = [name for name, one in own.items() if one.kind is kinds.VAR_KEYWORD]
+    parameters = [one for one in own.values() if one.kind is not kinds.VAR_KEYWORD]
+    more = flags(of_scene[0]) if of_scene else {}
+    for name, (hint, default) in more.items():
+        hints[name] = hint
+        parameters.append(kinds(name, kinds.KEYWORD_ONLY, default=default, annotation=hint))
+
+    def later(*given: Any, **options: Any) -> Callable[[], None]:
+        own = {name: one for name, one in options.items() if name not in more}
+        used = _given((name, options[name], default) for name, (_, default) in more.items())
+        return functools.partial(command, *given, **own, **used)
+
+    later.__doc__ = command.__doc__
+    later.__annotations__ = {name: one for name, one in hints.items() if name not in of_scene}
+    later.__annotations__["return"] = Callable[[], None]
+    later.__signature__ = inspect.Signature(parameters)  # pyright: ignore
+    return later
+
+
+def _sentence(box: str) -> str:
+    """Returns what is wrong from the box that tyro draws: title, problem, hints and advice."""
+    parts, part = [], []
+    for line in box.splitlines()[1:]:
+        text = line.strip(FRAME).strip()
+        if text and not text.strip("─-"):  # a rule
+            parts.append(" ".join(part).rstrip("."))
+            part = []
+        else:
+            part.append(" ".join(text.split()))
+    sentences = [one.strip() for one in parts if not one.startswith(ADVICE)]
+    return "; ".join(one for one in sentences if one)
+
+
+def named_values(option: str, given: Sequence[str]) -> dict[str, str]:
+    """Returns the values of an option that is given as NAME=VALUE, by name."""
+    found: dict[str, str] = {}
+    for one in given:
+        name, sign, value = one.partition("=")
+        if not (sign and name and value):
+            raise InputError(f"{option} has {shown(one)}: give NAME=VALUE")
+        if name in found:
+            raise InputError(f"{option} has {name!r} twice: give it once")
+        found[name] = value
+    return found
+
+
+def flags(kind: str) -> dict[str, tuple[Any, Any]]:
+    """Returns type and default of the flags that a parameter of a command stands for, by name.
+
+    Args:
+        kind: Name of the parameter: "arm" for a model, "environment" for an environment, or
+            "options" for a scene, which is an environment with its task.
+    """
+    from ..envs.model import ArmConfig
+    from ..envs.setup import USUAL, Setup
+
+    arm = _fields_of(ArmConfig, vars(ArmConfig()))
+    if kind == "arm":
+        return arm
+    found = {**arm, **_fields_of(Setup, USUAL | {"fatigue": None}, ("arm",))}
+    steps = "Number of control periods after which an episode ends."
+    found[LIMIT] = (Annotated[Any, optional_number("that of the task", int, 1, steps)], None)
+    if kind == "environment":
+        return found
+    return {"task": (TaskName, None), "level": (Level, None), "env": (Env, None)} | found
+
+
+def _fields_of(
+    config: type, usual: Mapping[str, Any], without: Sequence[str] = ()
+) -> dict[str, tuple[Any, Any]]:
+    """Returns type and default of the flags of a dataclass, whose fields are declared once."""
+    from ..envs.person import Person
+
+    hints, texts = get_type_hints(config), _texts(config)
+    found = {}
+    for one in fields(config):
+        kind = _without_none(hints[one.name])
+        if one.name in without or kind == tuple[Person, ...]:
+            continue
+        value, text = usual.get(one.name), texts[one.name]
+        if is_dataclass(kind):
+            found[one.name] = _group(one.name, kind, value, text)
+            continue
+        found[one.name] = _flag(one.name, kind, value, text, one.metadata.get("setting"))
+    return found
+
+
+def _group(name: str, kind: type, value: Any, text: str) -> tuple[Any, Any]:
+    """Returns a nested dataclass of flags, and its default, in which none is given."""
+    inner = _fields_of(kind, vars(value if is_dataclass(value) else kind()))
+    made = [(one, hint, field(default=default)) for one, (hint, default) in inner.items()]
+    group = make_dataclass(name.title(), made, frozen=True)
+    group.__doc__ = text
+    return Annotated[group, tyro.conf.arg(help=text)], group()
+
+
+def _flag(name: str, kind: Any, value: Any, text: str, setting: Any) -> tuple[Any, Any]:
+    """Returns type and default of one flag; None, False or () stand for one that is not given."""
+    if kind is bool and value is False:
+        return Annotated[bool, tyro.conf.arg(help=text)], False
+    usual = "" if value is None else f"default: {_shown(value)}"
+    if setting is not None:
+        usual += f"{'; ' * bool(usual)}{setting.low:g} to {setting.high:g}"
+    usual = f"({usual})" if usual else ""
+    args, origin = get_args(kind), get_origin(kind)
+    if kind is bool:
+        words = {"true": True, "false": False}
+        return Annotated[Any, choice(lambda: words, text, hint=usual, values=words)], None
+    if origin is Literal:
+        return Annotated[Any, choice(lambda: args, text, hint=usual)], None
+    if origin is tuple and args[-1] is Ellipsis:
+        return Annotated[tuple[str, ...], tyro.conf.arg(help=text, help_behavior_hint=usual)], ()
+    if origin is tuple:
+        return Annotated[Any, optional_number("", args[0], len(args), text, usual)], None
+    if kind in (int, float):
+        return Annotated[Any, optional_number("", kind, 1, text, usual)], None
+    known = {"suit": suits, "gravity": gravities}.get(name, lambda: ("MODULE:FUNCTION",))
+    return Annotated[Any, choice(known, text, hint=usual)], None
+
+
+def _shown(value: Any) -> str:
+    return " ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
+
+
+def _without_none(hint: Any) -> Any:
+    kinds = [one for one in get_args(hint) if one is not NoneType]
+    return kinds[0] if NoneType in get_args(hint) and len(kinds) == 1 else hint
+
+
+def _texts(config: type) -> dict[str, str]:
+    """Returns what the docstring of a dataclass says of its fields."""
+    _, _, attributes = inspect.cleandoc(config.__doc__ or "").partition("Attributes:\n")
+    found = re.findall(r"^    (\w+): (.+(?:\n {8}.+)*)", attributes, re.MULTILINE)
+    return {name: " ".join(text.split()) for name, text in found}
+
+
+def _given(found: Iterable[tuple[str, Any, Any]]) -> dict[str, Any]:
+    """Returns flags that are given as plain values, those of a group as a dict.
+
+    Args:
+        found: Name, value and default of each flag.
+    """
+    given = {}
+    for name, value, default in found:
+        if is_dataclass(value):
+            inner = ((one.name, getattr(value, one.name), one.default) for one in fields(value))
+            if plain := _given(inner):
+                given[name] = plain
+        elif value is not default and value != ():
+            given[name] = value
+    return given
 
 
 def choice(
     names: Callable[[], Iterable[str]],
     help: str | None = None,
     usual: str | None = None,
+    values: Mapping[str, Any] | None = None,
     name: str | None = None,
+    hint: str | None = None,
 ) -> Any:
     """Describes an option that takes a name from a registry.
 
@@ -24,24 +218,30 @@ def choice(
         names: Function that returns the names; one in capitals stands for a file or a folder.
         help: Help text; by default what the docstring of the command says.
         usual: What None stands for, where the option has that default.
+        values: Values that names stand for; by default themselves.
         name: Name of the option, where it is no name of a Python argument.
+        hint: What stands behind the text; by default the default.
 
     Returns:
         An annotation for the type of the option, as in `Annotated[str, choice(...)]`.
     """
     return tyro.conf.arg(
         name=name,
-        constructor_factory=lambda: _one_of(names()),
+        constructor_factory=lambda: _one_of(names(), values or {}),
         help=help,
-        help_behavior_hint=f"(default: {usual})" if usual else _default,
+        help_behavior_hint=hint
+        if hint is not None
+        else f"(default: {usual})"
+        if usual
+        else _default,
     )
 
 
-def _one_of(names: Iterable[str]) -> Any:
+def _one_of(names: Iterable[str], values: Mapping[str, Any]) -> Any:
     spec = PrimitiveConstructorSpec(
         nargs=1,
         metavar=f"{{{','.join(names)}}}",
-        instance_from_str=lambda given: given[0],
+        instance_from_str=lambda given: values.get(given[0], given[0]),
         is_instance=lambda value: isinstance(value, str),
         str_from_instance=lambda value: [value],
     )
@@ -49,7 +249,11 @@ def _one_of(names: Iterable[str]) -> Any:
 
 
 def optional_number(
-    usual: str, kind: type[int] | type[float] = float, count: int = 1, help: str | None = None
+    usual: str,
+    kind: type[int] | type[float] = float,
+    count: int = 1,
+    help: str | None = None,
+    hint: str | None = None,
 ) -> Any:
     """Describes an option that takes numbers and is None if it is not given.
 
@@ -58,6 +262,7 @@ def optional_number(
         kind: Type of the numbers.
         count: Number of the numbers; several make a tuple.
         help: Help text; by default what the docstring of the command says.
+        hint: What stands behind the text; by default the default.
 
     Returns:
         An annotation for the type of the option, as in `Annotated[float | None, ...]`.
@@ -78,20 +283,13 @@ def optional_number(
     return tyro.conf.arg(
         constructor_factory=lambda: constructor,
         help=help,
-        help_behavior_hint=f"(default: {usual})",
+        help_behavior_hint=f"(default: {usual})" if hint is None else hint,
     )
 
 
 def _default(label: str) -> str:
     # With a constructor of our own, tyro shows the default as a Python list.
     return f"(default: {' '.join(map(str, literal_eval(label)))})"
-
-
-def environments() -> list[str]:
-    """Returns the ids of the registered arms of this package, and the form of others."""
-    from .. import TASKS
-
-    return [*(f"ActiveSuit/{task}-v0" for task in TASKS), "MODULE:ID"]
 
 
 def correctable() -> Iterable[str]:
@@ -124,7 +322,7 @@ def suits() -> list[str]:
 
 def gravities() -> Iterable[str]:
     """Returns the names of the places."""
-    from ..envs.model.config import PLACES
+    from ..envs.model.config import GRAVITY as PLACES
 
     return PLACES
 
@@ -134,27 +332,6 @@ def joints() -> Iterable[str]:
     from ..assets import JOINTS
 
     return JOINTS
-
-
-def env_option(usual: str) -> Any:
-    """Describes `--env`, which is `usual` if neither it nor a training run says otherwise."""
-    help = (
-        "Id of the environment to simulate; one of your own as MODULE:ID, where importing the "
-        "module registers the id."
-    )
-    return choice(environments, help, usual)
-
-
-def suit_option(usual: str) -> Any:
-    """Describes `--suit`, which is `usual` if neither it nor a training run says otherwise."""
-    return choice(suits, "Name of a shipped suit, or path of a suit file.", usual)
-
-
-def gravity_option(usual: str) -> Any:
-    """Describes `--gravity`, which is `usual` if neither it nor a training run says otherwise."""
-    return choice(
-        gravities, "Place whose gravity acts on the arm; weightless means microgravity.", usual
-    )
 
 
 def shipped_tasks() -> Iterable[str]:
@@ -195,30 +372,26 @@ def drawings() -> Iterable[str]:
     return DRAWINGS
 
 
-ENV, SUIT, GRAVITY = "ActiveSuit/ArmTracking-v0", "mock-suit", "earth"
-
-# None where the option is not given: a training run may say what it is then (`runs.scene`).
-Env = Annotated[str | None, env_option(ENV)]
-Suit = Annotated[str | None, suit_option(SUIT)]
-Gravity = Annotated[str | None, gravity_option(f"that of the task, mostly {GRAVITY}")]
+# Parameters of a command that stand for many flags: `**options` is a scene, `**environment` an
+# environment, `**arm` a model; see `flags`.
+USUAL_TASK = "ArmTracking"
+ENV, GRAVITY, LIMIT = f"ActiveSuit/{USUAL_TASK}-v0", "earth", "max_episode_steps"
+Env = Annotated[
+    str | None,
+    choice(
+        lambda: ("MODULE:ID",),
+        "Id of an environment of your own as MODULE:ID, where importing the module registers the "
+        "id; instead of --task.",
+        "that of the task",
+    ),
+]
 TaskName = Annotated[
     str | None,
     choice(
         tasks,
-        "Name of a shipped task, instead of --env; or a CSV file with the columns time [s] and the "
-        "four joint angles [rad] of a motion.",
-        "that of --env",
-    ),
-]
-Use = Annotated[
-    str | None,
-    choice(
-        uses,
-        "Motions that the model is for; the answer is what the curves leave open about them: a "
-        "shipped task; a CSV file with the column angle_rad, or the angles of all joints, and "
-        "time_s; or any motion in the range of the curves.",
-        "none",
-        "for",
+        "Name of a shipped task; or a CSV file with the columns time [s] and the four joint angles "
+        "[rad] of a motion.",
+        f"that of a trained policy, else {USUAL_TASK}",
     ),
 ]
 Level = Annotated[
@@ -231,6 +404,17 @@ Level = Annotated[
     ),
 ]
 SuitName = Annotated[str, choice(suits, "Name of a shipped suit, or path of a suit file.")]
+Use = Annotated[
+    str | None,
+    choice(
+        uses,
+        "Motions that the model is for; the answer is what the curves leave open about them: a "
+        "shipped task; a CSV file with the column angle_rad, or the angles of all joints, and "
+        "time_s; or any motion in the range of the curves.",
+        "none",
+        name="for",
+    ),
+]
 PolicyName = Annotated[
     str,
     choice(
@@ -249,13 +433,15 @@ EvaluatedName = Annotated[
 ]
 Scores = Annotated[
     tuple[Annotated[str, choice(scores)], ...],
-    tyro.conf.arg(
-        name="score", help="Scores of extras, which say what motions cost in other numbers too."
-    ),
+    tyro.conf.arg(help="Scores of extras, which say what motions cost in other numbers too."),
 ]
 Draw = Annotated[
     str | None,
     choice(drawings, "Drawing of an extra beside the moving arm.", "none"),
+]
+Motions = Annotated[
+    int,
+    tyro.conf.arg(help="Number of motions of each policy, at least 8; the same for all policies."),
 ]
 _SEED = "Seed of all random numbers; the same one repeats the result."
 Seed = Annotated[int, tyro.conf.arg(help=_SEED)]

@@ -33,8 +33,9 @@ import numpy as np
 import tyro
 from activesuit.assets import JOINTS, curves_path, load_suit
 from activesuit.envs.policies.network import files_of, read_card, read_network
-from activesuit.scripts.main import command_of
+from activesuit.scripts.main import function_of
 from activesuit.scripts.main import main as activesuit
+from activesuit.scripts.options import with_flags
 from trained_runs import make_run
 
 PREFIX, LONGEST = "activesuit: error: ", 300  # of a sentence; characters after the prefix
@@ -218,7 +219,7 @@ CARD: Outcomes = {
 ACTING = (
     "export run --onnx --out new.onnx",
     "simulate --policy run --out out",
-    "evaluate --policies run --unadapted --episodes 8 --out out",
+    "evaluate --policies run --unadapted --motions 8 --out out",
 )
 FILES: dict[str, tuple[Outcomes, tuple[str, ...]]] = {  # the first command is fast
     "elbow.csv": (TABLE, (
@@ -309,9 +310,7 @@ LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate ext
 @functools.cache
 def options(command: str) -> list[argparse.Action]:
     """Returns the options and positional arguments that the parser of a command knows."""
-    function = command_of(command.split())[1]
-    without = functools.wraps(function)(lambda *given, **named: None)
-    config = (tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff)
+    without, config = with_flags(function_of(command)), (tyro.conf.FlagCreatePairsOff,)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # tyro has no other way to ask
         parser = tyro.extras.get_parser(without, config=config)

@@ -30,7 +30,7 @@ SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SWARM = ["--method", "mpso", "--trials", "6", "--workers", "1"]
 SMALL = [
     *("--tasks", "ElbowFlexion", "--policies", "none", "--levels", "nominal"),
-    *("--episodes", "8", "--workers", "1"),
+    *("--motions", "8", "--workers", "1"),
 ]
 TRAIN = ["train", "--algo", "ppo"]
 
@@ -53,16 +53,16 @@ class Command:
 
 
 def same(*arguments: str) -> Command:
-    """Returns a command that is run again as it was."""
-    return Command([*arguments], [*arguments])
+    """Returns a command that is run again over what it wrote."""
+    return Command([*arguments], [*arguments, "--force"])
 
 
 COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
-    "benchmark": same("benchmark", "run", *SMALL),
-    "demo": same("demo", "--trials", "2", "--episodes", "8"),
+    "benchmark": Command(["benchmark", "run", *SMALL], ["benchmark", "run", *SMALL]),
+    "demo": same("demo", "--trials", "2", "--motions", "8"),
     "train": Command([*TRAIN, "--steps", "8192"], [*TRAIN, "--steps", "16384", "--resume"]),
-    "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),
+    "evaluate": same("evaluate", "--policies", "none", "feedforward", "--motions", "8"),
     "simulate": same("simulate"),
     "view": Command(["view"], ["view", "--force"], "motion.gif", "--film"),
 }
@@ -183,8 +183,8 @@ class Attack:
         return f"{said}: exit code {process.returncode}", wrong
 
     def _next_run(self, command: Command, folder: Path, kept: Counter[str]) -> tuple[int, str]:
-        whole = bool(kept["model.zip"] or kept[command.file])
-        arguments = command.again if whole else command.first
+        begun = kept["model.zip"] if "--resume" in command.again else True
+        arguments = command.again if begun else [*command.first, "--force"]
         if kept["steps"] >= 16384:
             arguments = [*TRAIN, "--steps", "24576", "--resume"]
         return finish(arguments, command, folder)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
-from activesuit.scripts.main import COMMANDS, command_of
-from activesuit.scripts.parsing import parsed
+from activesuit.scripts.main import COMMANDS, command_of, function_of
+from activesuit.scripts.options import parsed
 from activesuit.tools import examples as command_examples
 from activesuit.tools import tutorials
 from c_programs import need_compiler
@@ -135,8 +135,8 @@ LINES = [line for name in PAGES + TUTORIALS for line in command_lines(page(name)
 
 @pytest.mark.parametrize("line", LINES, ids=" ".join)
 def test_a_command_line_has_options_that_there_are(line):
-    name, command, arguments = command_of(line)
-    parsed(command, f"activesuit {name}", arguments)
+    name, arguments = command_of(line)
+    parsed(function_of(name), f"activesuit {name}", arguments)
 
 
 def test_the_page_of_commands_has_an_example_of_each():

@@ -87,7 +87,7 @@ def test_more_gain_of_proportional_assist_leaves_less_effort():
         gain: f"examples.controllers.{NAMES['proportional']}:gain={gain}"
         for gain in "0 0.5".split()
     }
-    found = evaluate("ActiveSuit/ElbowFlexion-v0", named, episodes=1, references=False).scores
+    found = evaluate("ActiveSuit/ElbowFlexion-v0", named, motions=1, references=False).scores
     assert found["0.5"].effort[0] < 0.8 * found["0"].effort[0]
 
 

@@ -37,7 +37,7 @@ def test_an_old_function():
 def test_old_options(capsys, old):
     with pytest.raises(SystemExit):
         main(["evaluate", old])
-    assert f"write {OLD_OPTIONS[old]!r} instead" in capsys.readouterr().err
+    assert f"{old} was an option of version 0.2: {OLD_OPTIONS[old]}" in capsys.readouterr().err
 
 
 def test_a_suit_file_with_the_old_name_of_a_model(tmp_path):

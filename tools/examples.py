@@ -30,10 +30,10 @@ ELSEWHERE = {  # how examples begin that are not run here, and why
 }
 SMALL = (  # command, further words of an example, and options beside its own or instead of them
     ("identify", "auto", ["--samples", "2"]),
-    ("evaluate", "", ["--episodes", "8"]),
+    ("evaluate", "", ["--motions", "8"]),
     ("evaluate", "--table", ["--policies", "none", "--unadapted"]),
-    ("validate", "", ["--episodes", "8"]),
-    ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
+    ("validate", "", ["--motions", "8"]),
+    ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--motions", "8"]),
     ("train", "", ["--steps", "8192"]),
     ("train", "--resume", ["--steps", "16384"]),
     ("view", "--film", ["--set", "max_episode_steps=100", "--size", "320", "240"]),

@@ -52,18 +52,18 @@ TRAININGS = {  # options of trainings, some of which name files in docs/learners
 EXPERIMENTS = {
     "demo": "demo",
     "settings": "bench settings",
-    "laws-earth": f"evaluate --episodes 8 --policies {_LAWS}",
+    "laws-earth": f"evaluate --motions 8 --policies {_LAWS}",
     "laws-weightless": (
-        f"evaluate --episodes 8 --suit emu-like --gravity microgravity --policies {_LAWS}"
+        f"evaluate --motions 8 --suit emu-like --gravity microgravity --policies {_LAWS}"
     ),
-    "laws-shift": f"evaluate --episodes 8 --level shift --policies {_MISLED}",
-    "cuffs-earth": "evaluate --episodes 8 --coupling cuffs --policies compensation corrected",
+    "laws-shift": f"evaluate --motions 8 --level shift --policies {_MISLED}",
+    "cuffs-earth": "evaluate --motions 8 --coupling cuffs --policies compensation corrected",
     "cuffs-weightless": (
-        "evaluate --episodes 8 --coupling cuffs --suit emu-like --gravity microgravity "
+        "evaluate --motions 8 --coupling cuffs --suit emu-like --gravity microgravity "
         "--policies compensation corrected"
     ),
     "cuffs-shift": (
-        "evaluate --episodes 8 --coupling cuffs --level shift "
+        "evaluate --motions 8 --coupling cuffs --level shift "
         "--policies compensation:suit=mock-suit corrected:suit=mock-suit"
     ),
     "validate": "validate emu-like mock-suit published-2022 --plant emu-like mock-suit",
@@ -75,7 +75,7 @@ EXPERIMENTS = {
     "bench-muscles": "bench muscles",
     **{
         name: (
-            f"evaluate --score muscles --episodes 8 --suit {suit} --gravity {place} --policies "
+            f"evaluate --score muscles --motions 8 --suit {suit} --gravity {place} --policies "
             f"{_OF_MUSCLES}"
         )
         for name, (suit, place) in MUSCLE_SETTINGS.items()

@@ -35,6 +35,6 @@ class OnDevice(TorquePolicy):
 
 if __name__ == "__main__":
     policies = ["compensation", "loop:OnDevice"]
-    found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, episodes=8, gravity="earth")
+    found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, motions=8, gravity="earth")
     for policy in policies:
         print(f"{policy}: relief {found.relief(policy)}")

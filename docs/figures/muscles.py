@@ -3,6 +3,6 @@
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.muscles.figures import activation_figure
 
-found = evaluate("ActiveSuit/ArmTracking-v0", ["compensation"], episodes=1, gravity="earth")
+found = evaluate("ActiveSuit/ArmTracking-v0", ["compensation"], motions=1, gravity="earth")
 motions = {name: found.traces[name][0] for name in ("suited", "compensation")}
 activation_figure(motions).savefig("muscles.png", dpi=110)

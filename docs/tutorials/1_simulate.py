@@ -138,7 +138,7 @@ plt.show()
 found = evaluate(
     "ActiveSuit/ElbowFlexion-v0",
     ["none", "feedforward", "compensation"],
-    episodes=8,
+    motions=8,
     suit="emu-like",
     gravity="microgravity",
 )

@@ -47,11 +47,11 @@ print(f"{len(elbow.samples)} samples; the model's largest torque is {model.max()
 # the samples, drawn anew for each motion. In a terminal:
 #
 # ```bash
-# activesuit validate my-suit/suit.json --episodes 8 --out validated
+# activesuit validate my-suit/suit.json --motions 8 --out validated
 # ```
 
 # %%
-main("validate my-suit/suit.json --episodes 8 --out validated --force".split())
+main("validate my-suit/suit.json --motions 8 --out validated --force".split())
 
 # %% [markdown]
 # ## How to read this
@@ -76,11 +76,11 @@ main("validate my-suit/suit.json --episodes 8 --out validated --force".split())
 # `emu-like`. Beside your model we try one that was made for another suit, `mock-suit`:
 #
 # ```bash
-# activesuit validate my-suit/suit.json mock-suit --plant emu-like --episodes 8 --out compared
+# activesuit validate my-suit/suit.json mock-suit --plant emu-like --motions 8 --out compared
 # ```
 
 # %%
-line = "validate my-suit/suit.json mock-suit --plant emu-like --episodes 8 --out compared --force"
+line = "validate my-suit/suit.json mock-suit --plant emu-like --motions 8 --out compared --force"
 main(line.split())
 
 # %% [markdown]

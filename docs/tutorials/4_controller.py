@@ -122,7 +122,7 @@ found = evaluate(
         "suit and friction": lambda plant: SuitAndFriction(plant, Belief(**mine)),
         "compensation": {"name": "compensation", **mine},
     },
-    episodes=8,
+    motions=8,
     **ARM,
 )
 for name, score in found.scores.items():

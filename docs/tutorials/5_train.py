@@ -32,7 +32,7 @@ ARM = {"suit": "emu-like", "gravity": "microgravity"}
 wrong = {"name": "compensation", "suit": "mock-suit"}
 right = {"name": "compensation", "suit": "emu-like"}
 before = evaluate(
-    "ActiveSuit/ArmTracking-v0", {"wrong model": wrong, "right model": right}, episodes=8, **ARM
+    "ActiveSuit/ArmTracking-v0", {"wrong model": wrong, "right model": right}, motions=8, **ARM
 )
 for name in ("wrong model", "right model"):
     print(f"{name}: relief {before.relief(name)}")
@@ -94,7 +94,7 @@ plt.show()
 after = evaluate(
     "ActiveSuit/ArmTracking-v0",
     {"wrong model": wrong, "with correction": "trained", "right model": right},
-    episodes=8,
+    motions=8,
     **ARM,
 )
 for name, score in after.scores.items():

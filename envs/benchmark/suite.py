@@ -102,7 +102,7 @@ class Suite:
         tasks: Names of tasks.
         levels: Names of levels.
         believed: Names or files of suits that controllers believe in.
-        episodes: Number of motions of each policy, at least 8.
+        motions: Number of motions of each policy, at least 8.
         coupling: Connection of the exoskeleton to the arm.
         options: Other options of the environment, in all settings; results with some are compared
             with each other only.
@@ -119,7 +119,7 @@ class Suite:
     tasks: tuple[str, ...] = tuple(TASKS)
     levels: tuple[str, ...] = COMPARED
     believed: tuple[str, ...] = BELIEVED
-    episodes: int = 20
+    motions: int = 20
     coupling: Literal["rigid", "cuffs"] = "rigid"
     options: Mapping[str, Any] = field(default_factory=dict)
     scores: tuple[str, ...] = ()
@@ -142,7 +142,7 @@ class Suite:
             load_suit(suit)
         for score in self.scores:
             SCORES.find(score)
-        at_least("episodes", self.episodes, FEWEST_MOTIONS)
+        at_least("motions", self.motions, FEWEST_MOTIONS)
 
     def environment(self, setting: Setting) -> dict[str, Any]:
         """Returns the options of the environment in a setting."""
@@ -179,9 +179,9 @@ class Suite:
                 else:
                     yield Trial(where(setting), policy, label)
 
-    def episodes_of(self, policy: PolicySpec) -> int:
+    def motions_of(self, policy: PolicySpec) -> int:
         """Returns the number of motions of a policy."""
-        return min(self.episodes, SLOW.get(policy.name, self.episodes))
+        return min(self.motions, SLOW.get(policy.name, self.motions))
 
     @cached_property
     def contract(self) -> str:
@@ -213,7 +213,7 @@ class Suite:
             "suite_version": VERSION,
             "contract": self.contract,
             "first_seed": FIRST_SEED,
-            "episodes": self.episodes_of(policy),
+            "episodes": self.motions_of(policy),
             **self._own,
             "activesuit": __version__,
             "mujoco": mujoco.__version__,
@@ -249,7 +249,7 @@ def suite(
     tasks: tuple[str, ...] = (),
     levels: tuple[str, ...] = (),
     believed: tuple[str, ...] = (),
-    episodes: int | None = None,
+    motions: int | None = None,
     options: Mapping[str, Any] | None = None,
     scores: tuple[str, ...] = (),
     trust: bool = False,
@@ -268,7 +268,7 @@ def suite(
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
     changes |= {"options": dict(options or {}), "scores": scores}
     given = {name: value for name, value in changes.items() if value}
-    return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))
+    return replace(found, **given, **({} if motions is None else {"motions": motions}))
 
 
 SUITES = {
@@ -284,7 +284,7 @@ SUITES = {
         policies={name: policy_spec(name) for name in _QUICK},
         tasks=("ElbowFlexion", "MinorLoops", "Ratchet"),
         believed=("emu-like",),
-        episodes=8,
+        motions=8,
     ),
 }
 """The suites by name."""

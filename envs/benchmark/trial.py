@@ -34,7 +34,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     Raises:
         InputError: The suite has the score of an extra that is missing.
     """
-    episodes = suite.episodes_of(trial.policy)
+    episodes = suite.motions_of(trial.policy)
     failed, extra = None, {}
     try:
         found, traces = _run(suite, trial, episodes)

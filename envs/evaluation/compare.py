@@ -154,14 +154,14 @@ def evaluate(
     env_id: str,
     policies: Policies,
     *,
-    episodes: int = 20,
+    motions: int = 20,
     seed: int = FIRST_SEED,
     references: bool = True,
     adapted: bool = True,
     on_policy: Callable[[str, list[Trace]], None] | None = None,
     **env_options: Any,
 ) -> Evaluation:
-    """Runs every policy on the same `episodes` intended motions and scores it.
+    """Runs every policy on the same `motions` intended motions and scores it.
 
     The motions are rows of one vector environment, and a row is what a single environment would be
     with its seed. A named policy sees the sensor suites that it needs, one of your own those in
@@ -172,7 +172,7 @@ def evaluate(
         policies: Policies as `policy_spec` takes them, names of bounds ("clairvoyant-suit",
             "best-known-plan"), or functions from the vector environment to a policy of your own,
             such as its class; or a dict of these by names of your choice.
-        episodes: Number of motions of each policy; motion i has the seed + i.
+        motions: Number of motions of each policy; motion i has the seed + i.
         seed: Seed of the first motion.
         references: Whether to run the references too: "unsuited", without suit and exoskeleton, and
             "suited", without exoskeleton.
@@ -182,12 +182,12 @@ def evaluate(
         **env_options: Options of the environment (`suit`, `gravity`, ...).
 
     Raises:
-        InputError: An environment or policy is unknown, `episodes` is below 1, a policy of your own
+        InputError: An environment or policy is unknown, `motions` is below 1, a policy of your own
             is not a function or makes something that cannot act, references are asked for where
             there is no suit, or a policy ends episodes, so that no wearer can settle.
     """
     named = named_policies(policies)
-    at_least("episodes", episodes, 1)
+    at_least("motions", motions, 1)
     check_seed(seed)
     flag("references", references)
     flag("adapted", adapted)
@@ -209,7 +209,7 @@ def evaluate(
             "references are asked for, and suit is 'none': there is no suit whose cost could be "
             "given back, so name a suit or use references=False"
         )
-    seeds, found = range(seed, seed + episodes), {}
+    seeds, found = range(seed, seed + motions), {}
     scale = None
 
     def add(name: str, given: Runnable) -> float:

@@ -160,7 +160,7 @@ def validate(
     believed: Mapping[str, AnySuit],
     *,
     policy: AnyPolicy = "feedforward",
-    episodes: int = 20,
+    motions: int = 20,
     seed: int = FIRST_SEED,
     on_policy: Callable[[str, list[Trace]], None] = lambda name, traces: None,
     **env_options: Any,
@@ -172,7 +172,7 @@ def validate(
         believed: Believed suits, by names of your choice.
         policy: Policy, which believes a suit if it takes the option `suit`, such as "compensation";
             the others are run as they are.
-        episodes: Number of motions, at least 8.
+        motions: Number of motions, at least 8.
         seed: Seed of the first motion.
         on_policy: Function that is called after each policy with its name and its motions.
         **env_options: Options of the environment; `suit` is the true one.
@@ -182,15 +182,15 @@ def validate(
         and "best-known-plan"; and the validation of each believed suit.
 
     Raises:
-        InputError: There are fewer than 8 episodes, a suit resists none of the assisted joints that
+        InputError: There are fewer than 8 motions, a suit resists none of the assisted joints that
             the true one resists, its model has no torque somewhere on the way, or `evaluate`
             raises it.
     """
-    at_least("episodes", episodes, FEWEST_MOTIONS)
+    at_least("motions", motions, FEWEST_MOTIONS)
     joints = believed_joints(env_id, believed, policy, **env_options)
     policies: dict[str, Any] = {TRUE: policy, BOUND: BOUND}
     policies |= {_named(name): with_belief(policy, suit) for name, suit in believed.items()}
-    options = {"episodes": episodes, "seed": seed, "on_policy": on_policy, **env_options}
+    options = {"motions": motions, "seed": seed, "on_policy": on_policy, **env_options}
     found = evaluate(env_id, policies, **options)
     as_is = all(env_options.get(other, usual) == usual for other, usual in AS_IS.items())
     return found, {

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeVar
 from ...assets import AnySuit, Suit, load_suit
 from ...assets.suits import HIGHEST_PRESSURE
 from ...checks import flag, within
-from ...errors import InputError, unknown_name
+from ...errors import InputError, refuse_old_names, unknown_name
 from ..person import Person
 from ..provenance import Quantity, check_settings, setting
 from .exoskeleton import Exo
@@ -33,8 +33,6 @@ _DENSITY = Quantity(
 )
 PROVENANCE: tuple[Quantity, ...] = (*_GRAVITY, _DENSITY)
 GRAVITY = {quantity.name.removeprefix("gravity."): quantity.value for quantity in _GRAVITY}
-PLACES = {**{name: name for name in GRAVITY}, "weightless": "microgravity"}
-"""Places by the names that users may give them."""
 
 Config = TypeVar("Config")
 
@@ -93,8 +91,7 @@ class ArmConfig:
         preconditioned: Whether the suit's memory begins in the steady cycle over the range of each
             joint, as in a preconditioned suit, instead of on the virgin curve of a new one; where
             the suit file gives a softening, the torque is then that after many cycles.
-        gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity", which may be
-            given as "weightless".
+        gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
         wearer: Person who wears the suit.
         exo: Exoskeleton on the arm.
         coupling: Connection of the exoskeleton: "rigid" (it shares the arm's joints), "cuffs" (it
@@ -221,11 +218,12 @@ def place_of(what: str, given: Any) -> str:
 
     Args:
         what: What the name is, for the message.
-        given: A name among `PLACES`.
+        given: A name among `GRAVITY`.
     """
-    if not isinstance(given, str) or given not in PLACES:
-        raise unknown_name(what, given, PLACES)
-    return PLACES[given]
+    refuse_old_names([given], {"weightless": "microgravity"})
+    if not isinstance(given, str) or given not in GRAVITY:
+        raise unknown_name(what, given, GRAVITY)
+    return given
 
 
 def _numbers(name: str, values: Any, size: int) -> Any:

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial, suite
+from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial
+from ...envs.benchmark import suite as make_suite
 from ...envs.benchmark.report import (
     benchmark_remarks,
     best_policies,
@@ -28,34 +29,29 @@ from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
 from ...tables import Rows
-from ..arm_options import Settings
 from ..backends import Backend, check_backend, run_all
 from ..folders import RunFolder, to_json
-from ..options import Force, Json, Scores, Trust, choice
+from ..options import Force, Json, Scores, Trust, choice, optional_number
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import progress, table, telling
-from ..runs import refuse_observed
-from ..settings import settings
+from ..scene import refuse_observed
 from ..writer import Report, conclude
 
 What = Literal["run", "table", "compare"]
-TRIALS = "trials"
+TRIALS, CONFIG = "trials", "config.json"
 
 
 def benchmark(
     what: Annotated[What, tyro.conf.Positional],
     results: Annotated[tuple[Path, ...], tyro.conf.Positional] = (),
     /,
-    suite_name: Annotated[
-        str, tyro.conf.arg(name="suite"), choice(lambda: SUITES, "Name of a suite (run).")
-    ] = "quick",
+    suite: Annotated[str, choice(lambda: SUITES, "Name of a suite (run).")] = "quick",
     policies: tuple[str, ...] = (),
     tasks: tuple[Annotated[str, choice(task_names)], ...] = (),
     levels: tuple[Annotated[str, choice(level_names)], ...] = (),
     believed: tuple[str, ...] = (),
-    episodes: int | None = None,
-    set: Settings = (),
+    motions: Annotated[int | None, optional_number("that of the suite", int)] = None,
     score: Scores = (),
     workers: int = -1,
     backend: Backend = "loky",
@@ -63,12 +59,14 @@ def benchmark(
     force: Force = False,
     trust: Trust = False,
     json: Json = False,
+    **environment: Any,
 ) -> None:
     """Compare controllers over tasks, levels and suits.
 
     `run` runs a suite, trial by trial; the same command again goes on where it stopped. `table`
     merges results of several machines or people into one page. `compare` gives the paired
-    difference of the policies' relief to the first one.
+    difference of the policies' relief to the first one. Options of the environment are for run;
+    their results have a contract of their own.
 
     Args:
         what: Whether to run a suite, make tables of results, or compare two policies.
@@ -78,10 +76,7 @@ def benchmark(
         tasks: Names of tasks, instead of those of the suite (run).
         levels: Names of levels, instead of those of the suite (run).
         believed: Suits that controllers believe in, instead of those of the suite (run).
-        episodes: Number of motions of each policy, at least 8; by default that of the suite
-            (run).
-        set: Any options of the environment, by their names in Python: fatigue=true
-            sensing.rate_cutoff=10 (run). Their results have a contract of their own.
+        motions: Number of motions of each policy, at least 8 (run).
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
@@ -91,20 +86,20 @@ def benchmark(
     if what == "run":
         if results:
             raise InputError(f"run takes no results, and {str(results[0])!r} is given: use table")
-        chosen = suite(
-            suite_name,
+        chosen = make_suite(
+            suite,
             policies=policies,
             tasks=tasks,
             levels=levels,
             believed=believed,
-            episodes=episodes,
-            options=settings([one for together in set for one in together]),
+            motions=motions,
+            options=environment,
             scores=score,
             trust=trust,
         )
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
-        if policies or believed or set:
+        if policies or believed or environment:
             _check(chosen)
         _check_scores(chosen)
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
@@ -118,7 +113,7 @@ def benchmark(
     if what == "table":
         if folder:
             folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {"results": results})
+        _report(found, folder, json, {"results": results}, "benchmark-table")
     else:
         _compare(Standings(found), policies or (BASELINE,), json)
 
@@ -155,6 +150,7 @@ def _report(
     folder: RunFolder | None,
     json: bool,
     settings: dict[str, Any],
+    command: str = "benchmark",
 ) -> None:
     standings = Standings(found)
     scores = benchmark_says(found)
@@ -209,21 +205,18 @@ def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> Non
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """Opens the folder of a new benchmark, or of one that goes on."""
-    folder = RunFolder(out, force=force, resumes="config.json")
-    folder.subfolder(TRIALS)
-    wanted = _config(chosen)
-    path = folder / "config.json"
+    wanted, path = _config(chosen), out / CONFIG
     present = read_json(path, "configuration of the benchmark") if path.exists() else None
-    if present is None:
-        folder.json("config.json", wanted)
-    elif present != wanted:
-        names = {**wanted, **present} if isinstance(present, dict) else {}
-        given = present if isinstance(present, dict) else {}
-        name = next((n for n in names if given.get(n) != wanted.get(n)), "configuration")
+    begun = present if isinstance(present, dict) and "contract" in present else {}
+    folder = RunFolder(out, force=force, resumes=bool(begun))
+    if begun and begun != wanted:
+        name = next(n for n in {**wanted, **begun} if begun.get(n) != wanted.get(n))
         raise InputError(
-            f"{str(out)!r} holds a benchmark whose {name} is {shown(given.get(name))}, not "
+            f"{str(out)!r} holds a benchmark whose {name} is {shown(begun.get(name))}, not "
             f"{shown(wanted.get(name))}: choose another --out, or go on with its own options"
         )
+    folder.json(CONFIG, wanted)  # the first file, by which the benchmark is known again
+    folder.subfolder(TRIALS)
     return folder
 
 
@@ -237,7 +230,7 @@ def _config(chosen: Suite) -> dict[str, Any]:
                 "tasks": chosen.tasks,
                 "levels": chosen.levels,
                 "believed": chosen.believed,
-                "episodes": chosen.episodes,
+                "motions": chosen.motions,
                 "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
                 **({"options": chosen.options} if chosen.options else {}),
                 **({"scores": chosen.scores} if chosen.scores else {}),

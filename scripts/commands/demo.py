@@ -21,7 +21,7 @@ from ...identification.figures import COLUMNS, compared, convergence_plot, loop_
 from ...identification.report import fit_summary, quality_table, trial_columns
 from ...text import say
 from ..folders import RunFolder
-from ..options import Force, Seed
+from ..options import Force, Motions, Seed
 from ..output import progress, telling
 from ..writer import Report, conclude
 
@@ -41,7 +41,7 @@ Fits = dict[str, dict[str, Fit]]
 def demo(
     out: Path | None = None,
     trials: int = 30,
-    episodes: int = 20,
+    motions: Motions = 20,
     seed: Seed = 0,
     force: Force = False,
 ) -> None:
@@ -55,10 +55,9 @@ def demo(
         out: Folder for suit.json, result.json, tables, figures and report.html: a new or an empty
             one; by default runs/demo, or runs/demo-2, ...
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
-        episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
-    at_least("episodes", episodes, FEWEST_MOTIONS)
+    at_least("motions", motions, FEWEST_MOTIONS)
     check_seed(seed)
     folder = RunFolder.of(out, "demo", force=force)
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
@@ -73,13 +72,13 @@ def demo(
     _identified_suit(fits).save(suit)
     kept = (
         f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
-        f"activesuit validate {suit} --plant {PLANT} --episodes {episodes} --seed "
+        f"activesuit validate {suit} --plant {PLANT} --motions {motions} --seed "
         f"{FIRST_SEED + seed}"
     )
     with telling(lambda: kept):
-        found = _simulate(suit, episodes, seed)
+        found = _simulate(suit, motions, seed)
         picture = _picture(seed)
-        config = {"trials": trials, "episodes": episodes, "seed": seed, "env": ENV}
+        config = {"trials": trials, "motions": motions, "seed": seed, "env": ENV}
         config |= {"plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
         conclude(_report(curves, fits, found, picture, config), folder)
 
@@ -109,7 +108,7 @@ def _kept_fits(place: Path, fits: Fits) -> str:
     done, planned = sum(map(len, fits.values())), len(COMPARED) * len(fits)
     return (
         f"the finished fits ({done} of {planned}) are kept in {place}/fits.json and "
-        "trials.csv; run the demo again for the rest"
+        "trials.csv; run the demo again with --force for the rest"
     )
 
 
@@ -129,13 +128,13 @@ def _identified_suit(fits: Fits) -> Suit:
     )
 
 
-def _simulate(suit: Path, episodes: int, seed: int) -> dict[str, Evaluation]:
+def _simulate(suit: Path, motions: int, seed: int) -> dict[str, Evaluation]:
     """Runs all policies on Earth and in microgravity."""
     found: dict[str, Evaluation] = {}
     policies = {
         name: {"name": name, "suit": str(suit)} if name in BELIEVING else name for name in SIMULATED
     }
-    with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * episodes) as bar:
+    with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * motions) as bar:
 
         def report(policy: str, done: list[Trace]) -> None:
             del policy
@@ -145,7 +144,7 @@ def _simulate(suit: Path, episodes: int, seed: int) -> dict[str, Evaluation]:
             found[gravity] = evaluate(
                 ENV,
                 policies,
-                episodes=episodes,
+                motions=motions,
                 seed=FIRST_SEED + seed,
                 on_policy=report,
                 suit=PLANT,
@@ -181,7 +180,7 @@ def _report(
 ) -> Report:
     tables, answer, columns, plots = {}, [], {}, {}
     for gravity, one in found.items():
-        title = f"What the wearer has to do: {ENV}, {gravity}, {config['episodes']} motions"
+        title = f"What the wearer has to do: {ENV}, {gravity}, {config['motions']} motions"
         tables[title] = score_table([*one.scores.values()], one)
         answer += [f"{gravity}: {sentence}" for sentence in one.sentences()]
         drawn = {policy: one.traces[policy][0] for policy in DRAWN}

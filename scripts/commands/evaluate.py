@@ -15,22 +15,10 @@ from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
 from ...tables import Rows
-from ..arm_options import USUAL, ArmOptions
 from ..folders import RunFolder
-from ..options import (
-    Env,
-    EvaluatedName,
-    Force,
-    Gravity,
-    Json,
-    Level,
-    Scores,
-    Suit,
-    TaskName,
-    Trust,
-)
+from ..options import EvaluatedName, Force, Json, Motions, Scores, Trust
 from ..output import progress
-from ..runs import Scene, scene
+from ..scene import Scene, scene
 from ..writer import Report, conclude
 
 USUAL_POLICIES = (
@@ -44,21 +32,16 @@ USUAL_POLICIES = (
 
 
 def evaluate(
-    env: Env = None,
-    task: TaskName = None,
-    level: Level = None,
     policies: tuple[EvaluatedName, ...] = USUAL_POLICIES,
-    episodes: int = 20,
+    motions: Motions = 20,
     seed: int = FIRST_SEED,
-    suit: Suit = None,
-    gravity: Gravity = None,
     unadapted: bool = False,
     score: Scores = (),
     out: Path | None = None,
     force: Force = False,
     trust: Trust = False,
-    arm: ArmOptions = USUAL,
     json: Json = False,
+    **options: Any,
 ) -> None:
     """Compare assist policies by what the wearer has to do.
 
@@ -70,34 +53,23 @@ def evaluate(
     Args:
         policies: Names of policies and bounds, or folders of training runs, which must have the
             same options.
-        episodes: Number of motions of each policy, at least 8 for intervals; all policies get the
-            same motions.
         seed: Seed of the first motion.
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
         out: Folder for result.json, the scores and the first motions as CSV, figures and
             report.html: a new or an empty one.
     """
-    at_least("episodes", episodes, 1)
+    at_least("motions", motions, 1)
     check_seed(seed)
-    chosen = scene(
-        arm,
-        env=env,
-        task=task,
-        level=level,
-        suit=suit,
-        gravity=gravity,
-        policies=policies,
-        trusted=trust,
-    )
+    chosen = scene(options, policies=policies, trusted=trust)
     _check(chosen, score)
     if chosen.options["suit"] != NO_SUIT:
-        at_least("episodes", episodes, FEWEST_MOTIONS)
+        at_least("motions", motions, FEWEST_MOTIONS)
     folder = RunFolder(out, force=force) if out else None
     found = run(
-        *(chosen.env, chosen.policies, episodes, seed), unadapted=unadapted, **chosen.options
+        *(chosen.env, chosen.policies, motions, seed), unadapted=unadapted, **chosen.options
     )
-    given = {"env": chosen.env, "episodes": episodes, "seed": seed, **chosen.options}
+    given = {"env": chosen.env, "motions": motions, "seed": seed, **chosen.options}
     extras = [_scored(name, found) for name in score]
     result = given | found.to_dict()
     for name, one in zip(score, extras, strict=True):
@@ -105,7 +77,7 @@ def evaluate(
             result["scores"][policy][name] = values
     report = Report(
         heading="Policies compared",
-        about=f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions",
+        about=f"{chosen.place}, {chosen.options['coupling']}, {motions} motions",
         result=result,
         tables={**found.tables(), **{t: rows for one in extras for t, rows in one.tables.items()}},
         answer=[*found.sentences(), *(said for one in extras for said in one.remarks)],
@@ -120,7 +92,7 @@ def evaluate(
 def run(
     env: str,
     policies: Policies,
-    episodes: int,
+    motions: int,
     seed: int,
     *,
     unadapted: bool,
@@ -128,7 +100,7 @@ def run(
 ) -> Evaluation:
     """Evaluates policies and shows a progress bar."""
     references = options.get("suit") != NO_SUIT
-    with progress(env, (len(policies) + 2 * references) * episodes) as bar:
+    with progress(env, (len(policies) + 2 * references) * motions) as bar:
 
         def report(policy: str, traces: list[Trace]) -> None:
             del policy
@@ -137,7 +109,7 @@ def run(
         return evaluate_policies(
             env,
             policies,
-            episodes=episodes,
+            motions=motions,
             seed=seed,
             references=references,
             adapted=not unadapted,

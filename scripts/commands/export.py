@@ -1,7 +1,8 @@
 """`activesuit export`: writes a policy as an ONNX model, or a suit or a policy as C code."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import tyro
@@ -20,8 +21,7 @@ from ...files import check_target, replacing
 from ...hysteresis.c_code import BYTES, identifier
 from ...json_files import read_json
 from ...text import say
-from ..arm_options import USUAL, ArmOptions
-from ..options import ENV, Force, Gravity, choice, joints
+from ..options import ENV, Force, choice, joints
 from ..output import table
 
 TOLERANCE = 1e-5  # largest difference between the model's outputs and those of the network
@@ -37,10 +37,9 @@ def export(
     onnx: bool = False,
     c: bool = False,
     joint: JointName = None,
-    gravity: Gravity = None,
     out: Path | None = None,
     force: Force = False,
-    arm: ArmOptions = USUAL,
+    **arm: Any,
 ) -> None:
     """Export a policy as an ONNX model, or a suit or a policy as C code for a device.
 
@@ -65,13 +64,13 @@ def export(
             f"{'two formats are' if onnx else 'no format is'} given: add either --onnx, which "
             "writes a network as an ONNX model, or --c, which writes a suit or a policy as C code"
         )
-    given = {"joint": joint, "gravity": gravity, **arm.given()}
+    given = {"joint": joint, **arm}
     if onnx:
         refuse(given, set(), "an ONNX model")
         export_network(Path(what), out or Path("policy.onnx"), force)
     elif is_policy(what):
         refuse(given, {*given} - {"joint"}, "a policy")
-        export_policy(what, gravity, arm, out, force)
+        export_policy(what, arm, out, force)
     else:
         refuse(given, OF_SUITS, "a suit")
         export_suit(what, joint, arm, out, force)
@@ -94,10 +93,10 @@ def refuse(given: dict[str, object], known: set[str], what: str) -> None:
 
 
 def export_suit(
-    what: str, joint: str | None, arm: ArmOptions, out: Path | None, force: bool
+    what: str, joint: str | None, arm: Mapping[str, Any], out: Path | None, force: bool
 ) -> None:
     """Writes the joints of a suit as C code."""
-    config = ArmConfig(**{**arm.config(what, None), "coupling": "none"})
+    config = ArmConfig.from_dict({**arm, "suit": what, "coupling": "none"})
     suit, entries = suit_of_config(config), resisting_joints(config)
     if suit is None or not entries:
         raise InputError(f"the suit {shown(what)} resists no joint: name one that does")
@@ -113,9 +112,7 @@ def export_suit(
     write_header(text, parts, out, force)
 
 
-def export_policy(
-    what: str, gravity: str | None, arm: ArmOptions, out: Path | None, force: bool
-) -> None:
+def export_policy(what: str, arm: Mapping[str, Any], out: Path | None, force: bool) -> None:
     """Writes a policy as C code."""
     spec = policy_spec(what)
     if spec.name not in exportable():
@@ -123,7 +120,7 @@ def export_policy(
             f"the policy {shown(what)} cannot be exported as C code: use one of "
             f"{', '.join(exportable())}"
         )
-    arms = make_arms(ENV, 1, **arm.config(None, gravity), **needed_options(spec))
+    arms = make_arms(ENV, 1, **arm, **needed_options(spec))
     policy = make_policy(spec, arms)
     arms.close()
     out = out or Path(f"{Path(what).stem if is_saved(what) else spec.name}.h")

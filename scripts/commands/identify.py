@@ -25,9 +25,8 @@ from ...text import say
 from ..curve_joints import joint_of
 from ..folders import RunFolder
 from ..intended import intended_motions, needed_coverage
-from ..options import Force, Json, Seed, Use, choice, joints, optional_number, suits
+from ..options import Force, Json, Seed, Use, choice, joints, named_values, optional_number, suits
 from ..output import progress
-from ..parsing import named_values
 from ..writer import Report, conclude
 
 NOT_DESCRIBED = 3  # exit code; also where the tare that was to be fitted is not determined
@@ -61,7 +60,7 @@ def identify(
     objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
-    corrections: Corrections = NONE,
+    corrections: Annotated[Corrections, tyro.conf.arg(name="")] = NONE,
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,

@@ -1,6 +1,7 @@
 """`activesuit simulate`: simulates one motion under one policy, and writes its time series."""
 
 from pathlib import Path
+from typing import Any
 
 from ...checks import check_seed
 from ...envs.evaluation import rollout, score
@@ -15,26 +16,20 @@ from ...envs.evaluation.report import (
 from ...envs.figures import motion_plots
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
-from ..arm_options import USUAL, ArmOptions
 from ..folders import RunFolder
-from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
-from ..runs import scene
+from ..options import Force, Json, PolicyName, Seed, Trust
+from ..scene import scene
 from ..writer import Report, conclude
 
 
 def simulate(
-    env: Env = None,
-    task: TaskName = None,
-    level: Level = None,
-    policy: PolicyName = "feedforward",
-    suit: Suit = None,
-    gravity: Gravity = None,
+    policy: PolicyName = "compensation",
     seed: Seed = 0,
     out: Path | None = None,
     force: Force = False,
     trust: Trust = False,
-    arm: ArmOptions = USUAL,
     json: Json = False,
+    **options: Any,
 ) -> None:
     """Simulate one assisted arm motion, headless.
 
@@ -44,16 +39,7 @@ def simulate(
         out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one.
     """
     check_seed(seed)
-    chosen = scene(
-        arm,
-        env=env,
-        task=task,
-        level=level,
-        suit=suit,
-        gravity=gravity,
-        policies=(policy,),
-        trusted=trust,
-    )
+    chosen = scene(options, policies=(policy,), trusted=trust)
     (acting,) = chosen.policies
     options = {**chosen.options, **needed_options(acting)}
     arms = make_arms(chosen.env, 1, **options)

@@ -38,13 +38,11 @@ from ...envs.model import ASSISTED
 from ...envs.policies import policy_spec
 from ...errors import InputError
 from ...identification import load_curves
-from ..arm_options import USUAL, ArmOptions
 from ..curve_joints import joint_of
 from ..folders import RunFolder
-from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
+from ..options import Force, Json, Motions, SuitName, choice, joints, policies, suits
 from ..output import progress
-from ..runs import Scene, refuse_observed, scene
-from ..settings import joined
+from ..scene import Scene, refuse_observed, scene
 from ..writer import Report, conclude
 
 GRAVITY = "microgravity"
@@ -60,14 +58,12 @@ def validate(
     samples: bool = False,
     held_out: tuple[Path, ...] = (),
     joint: Annotated[str | None, choice(joints)] = None,
-    env: Env = None,
-    gravity: Annotated[str | None, gravity_option(GRAVITY)] = None,
-    episodes: int = 20,
+    motions: Motions = 20,
     seed: int = FIRST_SEED,
     out: Path | None = None,
     force: Force = False,
-    arm: ArmOptions = USUAL,
     json: Json = False,
+    **options: Any,
 ) -> None:
     """Validate an identified suit model in closed loop.
 
@@ -89,7 +85,6 @@ def validate(
         held_out: CSV files of measured curves: predict their torque, and simulate nothing.
         joint: Joint on which these curves were measured; by default the file name tells it
             (elbow.csv).
-        episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
         out: Folder for result.json, the first motions, report.html, and the matrix as PNG and SVG:
             a new or an empty one.
@@ -114,12 +109,12 @@ def validate(
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
     policy_spec(policy)
-    at_least("episodes", episodes, FEWEST_MOTIONS)
+    at_least("motions", motions, FEWEST_MOTIONS)
     check_seed(seed)
-    scenes = {
-        true: scene(arm, env=env, suit=true, gravity=gravity, usual={"gravity": GRAVITY})
-        for true in plant
-    }
+    if "suit" in options:
+        raise InputError(f"--suit is {options['suit']!r}, and --plant names the simulated suits")
+    usual = {"gravity": GRAVITY}
+    scenes = {true: scene({**options, "suit": true}, usual=usual) for true in plant}
     for chosen in scenes.values():
         refuse_observed(chosen.options, [policy])
         believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
@@ -130,14 +125,14 @@ def validate(
                 chosen,
                 options={
                     **chosen.options,
-                    "randomize": joined(drawn, chosen.options.get("randomize", {}), "randomize."),
+                    "randomize": {**chosen.options.get("randomize", {}), **drawn},
                 },
             )
             for true, chosen in scenes.items()
         }
     folder = RunFolder(out, force=force) if out else None
-    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
-    conclude(_report(cells, evaluations, scenes, policy, episodes, seed), folder, json)
+    cells, evaluations = _simulated(suits, scenes, policy, motions, seed)
+    conclude(_report(cells, evaluations, scenes, policy, motions, seed), folder, json)
 
 
 def _itself(suits: tuple[str, ...]) -> tuple[str]:
@@ -158,13 +153,13 @@ def _simulated(
     suits: tuple[str, ...],
     scenes: Mapping[str, Scene],
     policy: str,
-    episodes: int,
+    motions: int,
     seed: int,
 ) -> tuple[Cells, dict[str, Evaluation]]:
     """Simulates all cells: each believed suit with each plant."""
     cells: Cells = {}
     evaluations, labels = {}, names_of(suits)
-    total = (len(suits) + OTHERS) * len(scenes) * episodes
+    total = (len(suits) + OTHERS) * len(scenes) * motions
     with progress("validate", total) as bar:
 
         def report(name: str, traces: list[Trace]) -> None:
@@ -176,7 +171,7 @@ def _simulated(
                 chosen.env,
                 {labels[suit]: suit for suit in suits},
                 policy=policy,
-                episodes=episodes,
+                motions=motions,
                 seed=seed,
                 on_policy=report,
                 threads=0,
@@ -191,12 +186,12 @@ def _report(
     evaluations: Mapping[str, Evaluation],
     scenes: Mapping[str, Scene],
     policy: str,
-    episodes: int,
+    motions: int,
     seed: int,
 ) -> Report:
     chosen = next(iter(scenes.values()))
     result: dict[str, Any] = {"env": chosen.env, "policy": policy}
-    result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
+    result |= {"motions": motions, "seed": seed, **chosen.options, "limits": LIMITS}
     del result["suit"]
     settings = {**result, "suits": [*dict.fromkeys(suit for suit, _ in cells)], "plant": [*scenes]}
     result["cells"] = [

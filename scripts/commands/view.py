@@ -21,24 +21,10 @@ from ...envs.rendering import QUALITIES, Capsule, RenderingUnavailableError
 from ...errors import InputError
 from ...files import check_target, replacing
 from ...text import say
-from ..arm_options import USUAL, ArmOptions
 from ..browser import PORT, check_address, served
 from ..film import PANEL, episode, film_writer, filmed
-from ..options import (
-    Draw,
-    Env,
-    Force,
-    Gravity,
-    Level,
-    PolicyName,
-    Seed,
-    Suit,
-    TaskName,
-    Trust,
-    choice,
-    optional_number,
-)
-from ..runs import scene
+from ..options import Draw, Force, PolicyName, Seed, Trust, choice, optional_number
+from ..scene import scene
 
 FILM, PICTURE = (960, 540), (1280, 960)  # pixels
 SMALLEST, LARGEST_FILM, LARGEST = 120, 1920, 4096  # pixels of a side
@@ -49,13 +35,7 @@ VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 
 def view(
-    env: Env = None,
-    task: TaskName = None,
-    level: Level = None,
     policy: PolicyName = "compensation",
-    suit: Suit = None,
-    gravity: Gravity = None,
-    arm: ArmOptions = USUAL,
     seed: Seed = 0,
     draw: Draw = None,
     web: bool = False,
@@ -71,6 +51,7 @@ def view(
     quality: Annotated[str | None, choice(lambda: QUALITIES, usual="fast of a film, fine")] = None,
     force: Force = False,
     trust: Trust = False,
+    **options: Any,
 ) -> None:
     """Watch the assisted arm move, in a window or a browser; film or picture it.
 
@@ -100,18 +81,9 @@ def view(
     write = film_writer(film) if film else None
     if web:
         check_address(host, port)
-    chosen = scene(
-        arm,
-        env=env,
-        task=task,
-        level=level,
-        suit=suit,
-        gravity=gravity,
-        policies=(policy,),
-        trusted=trust,
-    )
+    chosen = scene(options, policies=(policy,), trusted=trust)
     (acting,) = chosen.policies
-    options: dict[str, Any] = {**chosen.options, **needed_options(acting)}
+    options = {**chosen.options, **needed_options(acting)}
     options["render_quality"] = quality or ("fast" if film else "fine")
     options["render_mode"] = None if web else "human"
     panel = 0

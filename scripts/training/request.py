@@ -20,7 +20,7 @@ from ..extensions import import_from_here
 from ..folders import RunFolder
 from ..output import telling
 from ..own_files import is_own
-from ..runs import Scene
+from ..scene import Scene
 from .distillation import USUAL, distill
 from .evaluations import MOTIONS
 from .hyperparameters import checked, hyperparameters
@@ -82,7 +82,7 @@ class TrainingRequest:
             say(f"the training in {out} is at its end: give more --steps to go on")
             return
         card, options = _card_and_options(chosen, config)
-        folder = RunFolder(out, force=self.force or self.resume)
+        folder = RunFolder(out, force=self.force, resumes=self.resume)
         run = Run(folder=folder, card=card, options=options, checkpoint=checkpoint)
         with telling(lambda: _kept(folder)):
             begin_torch(self.torch_threads)

@@ -47,7 +47,7 @@ def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers
         out: Folder of the folders.
         workers: Number of trainings at once.
     """
-    folder = RunFolder(out, force=request.force or request.resume)
+    folder = RunFolder(out, force=request.force, resumes=request.resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
     given = [(path, seed) for seed, path in runs.items()]
     if workers == 1:

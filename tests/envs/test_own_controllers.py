@@ -63,7 +63,7 @@ def test_the_observer_finds_what_the_shipped_one_finds(folder):
 
 
 def test_from_the_file_to_a_score(folder, capsys):
-    few = ["evaluate", "--task", "ElbowFlexion", "--episodes", "8", "--unadapted", "--json"]
+    few = ["evaluate", "--task", "ElbowFlexion", "--motions", "8", "--unadapted", "--json"]
     name = "my_policies:PDPlusSuit:kp=5"
     assert name in run(capsys, *few, "--policies", name)
     message = fails(capsys, *few, "--policies", "my_policies:PDPlusSuit:ki=5")

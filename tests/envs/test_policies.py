@@ -22,12 +22,12 @@ def test_gravity_compensation_carries_the_weight(monkeypatch):
     shorten_tasks(monkeypatch, 2.0)
     policies = ("none", "gravity", "transparent")
     env = "ActiveSuit/ArmTracking-v0"
-    found = evaluate(env, policies, episodes=2, **NAIVE).scores
+    found = evaluate(env, policies, motions=2, **NAIVE).scores
     off, gravity, transparent = (found[name].human_rms for name in policies)
     for joint in ASSISTED:
         assert gravity[joint] < 0.6 * off[joint]
         assert gravity[joint] < transparent[joint] < 0.95 * off[joint]
-    weightless = evaluate(env, ("gravity",), episodes=1, gravity="microgravity", **NAIVE)
+    weightless = evaluate(env, ("gravity",), motions=1, gravity="microgravity", **NAIVE)
     assert weightless.scores["gravity"].assist_energy == pytest.approx((0,), abs=1e-9)
 
 

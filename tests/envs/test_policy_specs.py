@@ -13,7 +13,7 @@ from activesuit.envs.policies import Belief, make_policy, policy_spec
 from helpers import assert_refused
 
 ELBOW = "ActiveSuit/ElbowFlexion-v0"
-ONCE = {"episodes": 1, "references": False, "adapted": False}
+ONCE = {"motions": 1, "references": False, "adapted": False}
 OBSERVATION = np.zeros(12, np.float32)
 
 

@@ -213,5 +213,5 @@ def test_own_rewards_that_cannot_be():
     ]
     assert_refused(lambda given: steps(ArmEnv("ArmTracking", reward=given), 1, 2), rows)
     message = "scores are those of the shipped reward"
-    given = {"episodes": 8, "reward": shipped}
+    given = {"motions": 8, "reward": shipped}
     assert_refused(lambda: evaluate("ActiveSuit/ArmTracking-v0", ["none"], **given), [(message,)])

@@ -36,7 +36,7 @@ def test_it_acts_by_its_name_in_any_scene(capsys):
     rows = [("my-net-work", "my-network"), ("my-network:gain=2", "has no options")]
     assert_refused(policy_spec, rows)
     given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
-    assert "my-network" in run(capsys, *given, "--episodes", "8", "--unadapted")
+    assert "my-network" in run(capsys, *given, "--motions", "8", "--unadapted")
     assert "It does little." in run(capsys, "list", "policies")
     observed = fails(capsys, *given, "--set", "history=3")
     assert "what a policy observes follows from the policy" in observed
@@ -44,7 +44,7 @@ def test_it_acts_by_its_name_in_any_scene(capsys):
 
 @pytest.mark.slow
 def test_the_benchmark_has_its_sensors(tmp_path):
-    given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes"]
+    given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--motions"]
     given += ["8", "--believed", "emu-like", "--workers", "1", "--backend", "threading"]
     with short_benchmark(1.0):
         main([*given, "--policies", "my-network", "--out", str(tmp_path / "run")])

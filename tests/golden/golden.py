@@ -130,7 +130,7 @@ def validated() -> Numbers:
     believed = {"mock-suit": load_suit("mock-suit")}
     task = replace(TASKS["ElbowFlexion"], duration=DURATION)
     _, found = validate(
-        "ActiveSuit/ElbowFlexion-v0", believed, episodes=8, suit="emu-like", task=task
+        "ActiveSuit/ElbowFlexion-v0", believed, motions=8, suit="emu-like", task=task
     )
     one = found["mock-suit"]
     numbers = {"nrmse": one.torque.together.nrmse, "relief": one.relief, "share": one.share_of_true}

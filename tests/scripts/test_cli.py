@@ -20,7 +20,7 @@ from activesuit.scripts.main import COMMANDS, main
 from helpers import fails, in_this_process, run, shorten_tasks
 
 ELBOW = str(curves_path("elbow"))
-FEW = ["--episodes", "8", "--json"]
+FEW = ["--motions", "8", "--json"]
 
 
 @pytest.fixture
@@ -116,7 +116,7 @@ def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, 
 
 @pytest.mark.usefixtures("short")
 def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
-    options = ["--policies", "none", "gravity", "--episodes", "8", "--out", tmp_path]
+    options = ["--policies", "none", "gravity", "--motions", "8", "--out", tmp_path]
     out = run(capsys, "evaluate", *options)
     assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, level nominal, rigid, 8 motions" in out
     assert "The suit raises the wearer's effort from" in out
@@ -138,7 +138,7 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
 
 @pytest.mark.usefixtures("short")
 def test_the_motions_have_what_muscles_have_left(capsys, tmp_path):
-    options = ["--policies", "none", "--suit", "none", "--episodes", "1", "--set", "fatigue=true"]
+    options = ["--policies", "none", "--suit", "none", "--motions", "1", "--fatigue", "true"]
     assert "relief" not in run(capsys, "evaluate", *options, "--out", tmp_path)  # no references
     (row,) = csv.DictReader((tmp_path / "motions.csv").read_text().splitlines())
     score = json.loads((tmp_path / "result.json").read_text())["scores"]["none"]
@@ -170,7 +170,7 @@ def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_p
 @pytest.mark.slow
 @pytest.mark.usefixtures("short")
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):
-    pair = ["published-2022", "--plant", "mock-suit", "--episodes", "8"]
+    pair = ["published-2022", "--plant", "mock-suit", "--motions", "8"]
     out = run(capsys, "validate", *pair, "--out", tmp_path)
     (cell,) = json.loads((tmp_path / "result.json").read_text())["cells"]
     assert (cell["believed"], cell["plant"]) == ("published-2022", "mock-suit")
@@ -182,7 +182,7 @@ def test_validate_scores_one_suit_on_another(capsys, tmp_path):
 @pytest.mark.usefixtures("short")
 def test_validate_many_suits_makes_a_matrix(capsys, tmp_path):
     suits = ["emu-like", "mock-suit"]
-    out = run(capsys, "validate", *suits, "--plant", *suits, "--episodes", 8, "--out", tmp_path)
+    out = run(capsys, "validate", *suits, "--plant", *suits, "--motions", 8, "--out", tmp_path)
     assert "wears" in out
     cells = json.loads((tmp_path / "result.json").read_text())["cells"]
     verdicts = {(cell["believed"], cell["plant"]): cell["verdict"] for cell in cells}

@@ -57,7 +57,7 @@ def test_a_model_of_an_extension_goes_from_curves_to_a_simulated_suit(tmp_path):
     fitted = run(tmp_path, *fit, "--json")
     assert fitted.returncode == 0, fitted.stderr
     assert json.loads(fitted.stdout)["model_name"] == "toy"
-    arguments = ["--suit", tmp_path / "fit" / "suit.json", "--episodes", 8, "--json"]
+    arguments = ["--suit", tmp_path / "fit" / "suit.json", "--motions", 8, "--json"]
     simulated = run(tmp_path, "evaluate", "--unadapted", "--policies", "none", *arguments)
     assert simulated.returncode == 0, simulated.stderr
     scores = json.loads(simulated.stdout)["scores"]

@@ -15,8 +15,8 @@ ELBOW = str(curves_path("elbow"))
 WRITERS = {
     "identify": ["identify", ELBOW, "--joint", "elbow_flexion"],
     "rig": ["rig"],
-    "demo": ["demo", "--trials", "1", "--episodes", "8"],
-    "evaluate": ["evaluate", "--episodes", "8"],
+    "demo": ["demo", "--trials", "1", "--motions", "8"],
+    "evaluate": ["evaluate", "--motions", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit", "--plant", "mock-suit"],
     "train": ["train", "--steps", "1"],

@@ -41,7 +41,7 @@ def answer(capsys, *arguments) -> str:
 
 
 COMMANDS = {
-    "evaluate": ["evaluate", "--unadapted", "--episodes", "8", "--policies", "{run}"],
+    "evaluate": ["evaluate", "--unadapted", "--motions", "8", "--policies", "{run}"],
     "simulate": ["simulate", "--policy", "{run}", "--out", "{tmp}/out"],
     "view": ["view", "--policy", "{run}"],
     "resume": ["train", "--resume", "--steps", "2048", "--out", "{run}"],

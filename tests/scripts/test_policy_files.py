@@ -23,8 +23,8 @@ class Sneaky:
 """
 COMMANDS = [
     "simulate --out out --policy",
-    "evaluate --episodes 8 --unadapted --out out --policies",
-    "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",
+    "evaluate --motions 8 --unadapted --out out --policies",
+    "benchmark run --tasks ElbowFlexion --levels nominal --motions 8 --out out --policies",
     "view --film film.gif --policy",
     "view --policy",
 ]

@@ -35,7 +35,7 @@ def small():
         tasks=("ElbowFlexion",),
         levels=("nominal",),
         believed=("emu-like",),
-        episodes=MOTIONS,
+        motions=MOTIONS,
     )
 
 
@@ -46,7 +46,7 @@ def results(small):
 
 def test_the_full_suite_has_everything():
     full = SUITES["full"]
-    assert (full.tasks, len(full.levels), full.episodes) == (tuple(TASKS), 3, 20)
+    assert (full.tasks, len(full.levels), full.motions) == (tuple(TASKS), 3, 20)
     least = {*shipped_policies(), "compensation", "adaptive", "predictive"}
     assert {*POLICIES, *shipped_policies()} > set(full.policies) > least
     assert not {"oracle", "corrected"} & set(full.policies)
@@ -68,7 +68,7 @@ def test_the_full_suite_has_everything():
 
 def test_a_trial_is_what_evaluate_says(small, results):
     found = evaluate(
-        "ActiveSuit/ElbowFlexion-v0", ["compensation"], episodes=MOTIONS, suit="emu-like"
+        "ActiveSuit/ElbowFlexion-v0", ["compensation"], motions=MOTIONS, suit="emu-like"
     )
     mine = {one.policy: one for one in results}
     effort = found.scores["compensation"].effort
@@ -224,7 +224,7 @@ def test_mistakes():
         ({"tasks": ("Knee",)}, "unknown task 'Knee'"),
         ({"levels": ("easy",)}, "unknown level 'easy'"),
         ({"believed": ("nosuit",)}, "unknown suit 'nosuit'"),
-        ({"episodes": 7}, "episodes is 7: use at least 8"),
+        ({"motions": 7}, "motions is 7: use at least 8"),
         ({"policies": ("none", "none")}, "the policies are none, none: name each one once"),
     ]
     assert_refused(lambda options: suite("full", **options), rows)

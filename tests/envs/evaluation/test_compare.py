@@ -67,7 +67,7 @@ def weightless(short, believed):
     found = evaluate(
         ENV,
         policies,
-        episodes=MOTIONS,
+        motions=MOTIONS,
         gravity="microgravity",
         threads=1,
         on_policy=lambda name, traces: reported.update({name: len(traces)}),
@@ -151,7 +151,7 @@ def test_an_evaluation_becomes_json(weightless):
 
 
 def test_wearers_who_have_learned_nothing_and_two_motions_without_an_interval(short):
-    found = evaluate(ENV, ["none", Push], episodes=2, adapted=False, threads=1)
+    found = evaluate(ENV, ["none", Push], motions=2, adapted=False, threads=1)
     assert list(found.scores) == ["unsuited", "suited", "none", "Push"]
     for score in found.scores.values():
         assert score.effort == score.unadapted_effort
@@ -162,9 +162,9 @@ def test_wearers_who_have_learned_nothing_and_two_motions_without_an_interval(sh
 
 
 def test_where_the_suit_costs_too_little_or_is_not_compared_there_is_no_relief(short):
-    no_suit = {"suit": "none", "references": False, "episodes": 1}
+    no_suit = {"suit": "none", "references": False, "motions": 1}
     limp = {"suit": without_volume_shares(load_suit("emu-like")), "pressure": 0.0}
-    for options in (no_suit, {**limp, "gravity": "microgravity", "episodes": MOTIONS}):
+    for options in (no_suit, {**limp, "gravity": "microgravity", "motions": MOTIONS}):
         found = evaluate(ENV, ["none"], adapted=False, threads=1, **options)
         assert found.suit_cost is None or found.suit_cost.value < 0.01
         assert found.relief("none") is None
@@ -175,7 +175,7 @@ def test_where_the_suit_costs_too_little_or_is_not_compared_there_is_no_relief(s
 
 def test_no_wearer_adapts_to_a_policy_that_loses_the_arm(short):
     weak = {"sex": "female", "stature": 1.5, "mass": 50.0, "strength": 5.0}
-    options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "episodes": 1}
+    options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "motions": 1}
     found = evaluate(ENV, {"lose": Lose}, adapted=False, **options)
     assert found.scores["lose"].failures == 1
     message = r"loses the arm after .* s \(seed 10000\).*adapted=False"
@@ -230,7 +230,7 @@ def test_a_plan_rations_the_heat_of_motors():
 
 
 def test_named_policies_see_units_whatever_others_see(short):
-    few = {"episodes": 2, "references": False, "adapted": False}
+    few = {"motions": 2, "references": False, "adapted": False}
     reported = [
         evaluate(ENV, ["compensation", Push], **few, **options).scores["compensation"].effort
         for options in ({}, {"normalize": True}, {"belief": {}, "sensors": ["encoders", "belief"]})
@@ -244,7 +244,7 @@ def test_mistakes(short):
     rows = [
         (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
         (["nune"], {}, "unknown policy 'nune'.*'none'"),
-        (["none"], {"episodes": 0}, "episodes is 0"),
+        (["none"], {"motions": 0}, "motions is 0"),
         ([], {}, "no policy given"),
         ("none", {}, r"policies is 'none': give a list"),
         (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
@@ -257,7 +257,7 @@ def test_mistakes(short):
     ]
     assert_refused(
         lambda policies, options: evaluate(
-            ENV, policies, **{"references": "suit" in options, "episodes": 1, **options}
+            ENV, policies, **{"references": "suit" in options, "motions": 1, **options}
         ),
         rows,
     )

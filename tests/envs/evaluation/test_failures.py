@@ -97,7 +97,7 @@ def test_a_benchmark_names_the_task_and_keeps_the_reasons(tmp_path):
 
 
 def test_simulate_says_why(tmp_path, capsys, undrawn):
-    env = ["--env", "ActiveSuit/ElbowFlexion-v0", "--set", "max_episode_steps=100"]
+    env = ["--env", "ActiveSuit/ElbowFlexion-v0", "--max-episode-steps", "100"]
     main(["simulate", *env, "--policy", "none", "--payload", "5", "--out", str(tmp_path)])
     out = capsys.readouterr().out
     assert "none failed: " in out and " % of 20 from " in out

@@ -8,7 +8,7 @@ from activesuit.envs.policies import make_policy
 from helpers import assert_refused
 
 ELBOW = "ActiveSuit/ElbowFlexion-v0"
-FEW = {"episodes": 2, "references": False, "max_episode_steps": 100}
+FEW = {"motions": 2, "references": False, "max_episode_steps": 100}
 
 
 class Rehearses:

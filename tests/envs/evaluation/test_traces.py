@@ -60,7 +60,7 @@ def test_what_is_not_there_is_left_out(tmp_path, options, rows):
 
 
 def test_simulate_keeps_them(tmp_path, undrawn):
-    short = ["--set", "max_episode_steps=50"]
+    short = ["--max-episode-steps", "50"]
     main(["simulate", "--task", "OverheadHold", *short, "--out", str(tmp_path / "tired")])
     result = json.loads((tmp_path / "tired" / "result.json").read_text())
     assert result["fatigued"].keys() == result["strength_left"].keys() == {*JOINTS}

@@ -113,7 +113,7 @@ def test_the_torque_error_separates_six_beliefs(six):
 def test_relief_is_compared_motion_by_motion(monkeypatch):
     shorten_tasks(monkeypatch, 1.0)
     believed = {"exact": "emu-like", "other": "mock-suit"}
-    found, validations = validate(ENV, believed, episodes=8, suit="emu-like", **WEIGHTLESS)
+    found, validations = validate(ENV, believed, motions=8, suit="emu-like", **WEIGHTLESS)
     exact, other = (validations[name] for name in believed)
     for one in (other.relief, other.difference, other.share_of_true, other.share_of_bound):
         assert one.low <= one.value <= one.high
@@ -172,6 +172,6 @@ def test_beliefs_that_cannot_be_validated():
     wrist = {"wrist_flexion": load_suit("emu-like").joints["wrist_flexion"]}
     rows = [
         (wrist, {}, "and neither shoulder_flexion nor elbow_flexion"),
-        (load_suit("mock-suit"), {"episodes": 7}, "episodes is 7: use at least 8"),
+        (load_suit("mock-suit"), {"motions": 7}, "motions is 7: use at least 8"),
     ]
     assert_refused(lambda mine, given: validate(ENV, {"mine": mine}, **WEIGHTLESS, **given), rows)

@@ -32,7 +32,7 @@ def test_gymnasium_accepts_it_and_a_seed_is_a_motion():
 
 
 def test_muscles_follow_the_intention():
-    for options in ({"suit": "none", "gravity": "weightless"}, {}, {"suit": "emu-like"}):
+    for options in ({"suit": "none", "gravity": "microgravity"}, {}, {"suit": "emu-like"}):
         found, _ = run(**options)
         assert np.abs(found[:, 0]).max() < 0.1
         assert np.abs(found[:, 3]).max() < 1e-3
@@ -57,7 +57,7 @@ def test_contraction_makes_antagonists_work_and_costs_reward():
 
 
 def test_a_push_moves_the_elbow_and_the_wearer_comes_back():
-    options = {"suit": "none", "gravity": "weightless"}
+    options = {"suit": "none", "gravity": "microgravity"}
     still, pushed = (run(steps=250, push=push, **options)[0][:, 0] for push in (0.0, 2.0))
     away = np.abs(pushed - still)
     assert away[:100].max() == 0 and 0.1 < away.max() < 0.5

@@ -14,14 +14,14 @@ from helpers import assert_refused
 TASK, SHORT = "ActiveSuit/ElbowFlexion-v0", {"max_episode_steps": 60}
 
 
-def motions(policies=("none",), episodes=2, **options):
+def motions(policies=("none",), count=2, **options):
     options = {"gravity": "earth", "adapted": False, **SHORT, **options}
-    return evaluate(TASK, list(policies), episodes=episodes, **options).traces
+    return evaluate(TASK, list(policies), motions=count, **options).traces
 
 
 @pytest.fixture(scope="module")
 def traces():
-    return motions(episodes=8)
+    return motions(count=8)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +105,7 @@ def test_motions_that_cannot_be_scored(traces):
     average = isometric_strength(Person.percentile("male", 50))
     low, high = strength_limits(average, angle, np.zeros_like(angle))
     bent = replace(one, angle=angle, strength=np.stack([-low, high], axis=1))
-    tired = motions(episodes=1, references=False, fatigue=True)["none"]
+    tired = motions(motions=1, references=False, fatigue=True)["none"]
     rows = [
         ([bent], None, "100% of the postures are outside"),
         (tired, None, "MyoArm is scaled by one factor: leave fatigue out"),

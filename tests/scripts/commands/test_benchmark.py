@@ -14,7 +14,7 @@ from helpers import fails, panels_of, run, short_benchmark
 
 SMALL = (
     *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
-    *("emu-like", "--policies", "none", "compensation", "--episodes", "8"),
+    *("emu-like", "--policies", "none", "compensation", "--motions", "8"),
     *("--workers", "1", "--backend", "threading"),
 )
 FILES = ("results.jsonl", "tables.md")

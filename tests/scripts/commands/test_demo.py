@@ -30,7 +30,7 @@ def run(tmp_path_factory):
         "main(sys.argv[1:])\n"
         "print('loaded:', *sys.modules)"
     )
-    arguments = ["demo", "--trials", "1", "--episodes", "8", "--out", str(path)]
+    arguments = ["demo", "--trials", "1", "--motions", "8", "--out", str(path)]
     done = subprocess.run(
         [sys.executable, "-c", code, *arguments], check=False, capture_output=True, text=True
     )
@@ -100,7 +100,7 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
         raise RenderingUnavailableError("no OpenGL context")
 
     monkeypatch.setattr(Renderer, "picture", unavailable)
-    demo(out=tmp_path, trials=1, episodes=8)
+    demo(out=tmp_path, trials=1, motions=8)
     assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
     assert not (tmp_path / "arm.png").exists()
 
@@ -108,7 +108,7 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
 def interrupted(capsys, out, *more) -> str:
     """Runs a demo that must be interrupted; returns what it says at the end."""
     with pytest.raises(SystemExit) as stop:
-        main(["demo", "--trials", "1", "--episodes", "8", "--out", str(out), *more])
+        main(["demo", "--trials", "1", "--motions", "8", "--out", str(out), *more])
     assert stop.value.code == 2
     message = capsys.readouterr().err.strip().splitlines()[-1]
     assert message.startswith("activesuit: interrupted: ")
@@ -152,6 +152,6 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     assert all(set(fits[joint]) == {"sa-pso", "mpso", "certified"} for joint in fits)
     assert not (tmp_path / "report.html").exists()
     command = message.split("go on with: activesuit ")[1]
-    assert command == f"validate {tmp_path}/suit.json --plant mock-suit --episodes 8 --seed 10003"
+    assert command == f"validate {tmp_path}/suit.json --plant mock-suit --motions 8 --seed 10003"
     main(command.split())  # what it says can be done
     assert "Torque, believed less true" in capsys.readouterr().out

@@ -144,7 +144,7 @@ def test_it_counts_what_it_compiles(capsys, monkeypatch):
 
 COMMANDS = (
     ["simulate", "--out", "s"],
-    ["evaluate", "--episodes", "8", "--task", "ElbowFlexion", "--unadapted"],
+    ["evaluate", "--motions", "8", "--task", "ElbowFlexion", "--unadapted"],
     ["identify", str(curves_path("elbow")), "--joint", "elbow_flexion"],
 )
 

@@ -16,10 +16,10 @@ from activesuit.scripts.main import main
 from helpers import fails, run, short_benchmark, shorten_tasks
 
 SHORT = ("--env", "ActiveSuit/ElbowFlexion-v0")
-EVALUATE = ("evaluate", *SHORT, "--episodes", "8", "--policies", "compensation")
+EVALUATE = ("evaluate", *SHORT, "--motions", "8", "--policies", "compensation")
 SMALL = (
     *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
-    *("emu-like", "--policies", "compensation", "--episodes", "8"),
+    *("emu-like", "--policies", "compensation", "--motions", "8"),
     *("--workers", "1", "--backend", "threading"),
 )
 FILM = ("view", *SHORT, "--size", "240", "120", "--film")
@@ -121,7 +121,7 @@ def test_a_film_draws_what_is_registered(tmp_path, monkeypatch):
     ("given", "sentence"),
     [
         (("evaluate", "--score", "toy", "--table"), "--table has no scores of extras"),
-        (("evaluate", "--score", "toy", "--set", "fatigue=true"), "toys do not tire"),
+        (("evaluate", "--score", "toy", "--fatigue", "true"), "toys do not tire"),
         (("evaluate", "--score", "tow"), "unknown score 'tow': use one of "),
         (("benchmark", "run", "--score", "tow"), "unknown score 'tow'"),
         (("view", "--web", "--draw", "tow"), "unknown drawing 'tow'"),
@@ -184,7 +184,7 @@ def test_a_trial_has_the_muscles_of_evaluate():
         assert small.contract == suite("quick", levels=("nominal",), **changes).contract
         chosen = [one for one in small.trials if one.label in ("none", "unsuited")]
         results = [run_trial(small, one) for one in chosen]
-        options = {"episodes": 8, "suit": "emu-like"}
+        options = {"motions": 8, "suit": "emu-like"}
         traces = evaluate("ActiveSuit/ElbowFlexion-v0", ["none"], **options).traces
     for one in results:
         kept = one.extra["muscles"]

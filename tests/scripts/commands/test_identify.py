@@ -131,7 +131,7 @@ def test_a_given_tare_needs_no_note(capsys, laboratory_suit):
 def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit, capsys):
     folder, _ = laboratory_suit
     suit = str(folder / "fit/suit.json")
-    main(["validate", suit, "--episodes", "8"])
+    main(["validate", suit, "--motions", "8"])
     said = " ".join(capsys.readouterr().out.split())
     assert "with feedforward and this model the wearer works more than without exoskeleton" in said
     assert "drawn among the model and 20 others that its curves allow" in said

@@ -407,7 +407,7 @@ def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
 @pytest.mark.slow
 def test_several_seeds(tmp_path, capsys):
     given = [*WEIGHTLESS, "--seeds", "3,5", "--motions", "8"]
-    given += ["--belief", "mock-suit", "--sensors", "encoders", "preview"]
+    given += ["--belief.suit", "mock-suit", "--sensors", "encoders", "preview"]
     train(tmp_path / "all", *given, steps=ROLLOUT)
     assert "interquartile mean of the relief" in capsys.readouterr().out
     found = json.loads((tmp_path / "all" / "result.json").read_text())
@@ -441,7 +441,7 @@ def test_trainings_of_different_seeds_meet_different_motions(tmp_path):
 @pytest.mark.slow
 def test_what_is_believed_and_drawn(tmp_path, capsys):
     """The believed suit is in the card; the drawn ones are of the training alone."""
-    given = ["--suit", "emu-like", "--belief", "mock-suit"]
+    given = ["--suit", "emu-like", "--belief.suit", "mock-suit"]
     train(tmp_path / "run", *given)
     card = json.loads((tmp_path / "run" / "policy.json").read_text())
     assert card["environment"]["belief"] == {"suit": "mock-suit"}
@@ -450,7 +450,7 @@ def test_what_is_believed_and_drawn(tmp_path, capsys):
     other = ["--belief", "emu-like", "--teacher", tmp_path / "run", "--out", tmp_path / "student"]
     message = fails(capsys, "train", "--suit", "emu-like", *other)
     assert "student and teacher observe different beliefs: leave --belief out" in message
-    train_student(tmp_path / "student", 1, *STUDENT[:-1], "0", "--belief", "mock-suit")
+    train_student(tmp_path / "student", 1, *STUDENT[:-1], "0", "--belief.suit", "mock-suit")
     card = json.loads((tmp_path / "student" / "policy.json").read_text())
     assert card["environment"]["sensors"] == ["encoders", "belief"]
 

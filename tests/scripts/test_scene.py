@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
+from activesuit.envs.benchmark import suite
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.policies import Network, save_policy
+from activesuit.envs.policies.network import CARD
 from activesuit.errors import InputError
-from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
-from activesuit.scripts.runs import scene
+from activesuit.scripts.scene import scene
 from helpers import fails, run, shorten_tasks, without_volume_shares
 from trained_runs import ENVIRONMENT, write_card
 
@@ -86,78 +87,69 @@ def run_folder(path, **config):
     return str(path)
 
 
-def set_(*given):
-    """Options of which each argument is one `--set`."""
-    return ArmOptions(set=tuple(tuple(one.split()) for one in given))
-
-
 def test_without_a_run_the_usual_holds():
-    assert scene(ArmOptions()).place.endswith(", earth, mock-suit, level nominal")
-    chosen = scene(ArmOptions(payload=3), gravity="moon", policies=("none",))
+    assert scene({}).place.endswith(", earth, mock-suit, level nominal")
+    chosen = scene({"payload": {"mass": 3}, "gravity": "moon"}, policies=("none",))
     assert chosen.env == "ActiveSuit/ArmTracking-v0"
     assert chosen.options["payload"] == {"mass": 3}
     assert chosen.options["gravity"] == "moon"
     assert chosen.options["suit"] == "mock-suit"
     assert chosen.options["wearer"]["stature"] == 1.78
     usual = {"env": "ActiveSuit/ElbowFlexion-v0", "gravity": "mars"}
-    assert scene(ArmOptions(), usual=usual).env == usual["env"]
+    assert scene({}, usual=usual).env == usual["env"]
+    assert scene({"task": "ElbowFlexion"}).env == usual["env"]
+    assert scene({"level": "shift"}) == scene({}, level="shift")
 
 
 def test_a_woman_has_the_size_of_women_where_none_is_given():
     woman = {"stature": 1.629, "mass": 67.8, "sex": "female", "strength": 20}
-    by_set = set_("wearer.sex=female wearer.strength=20")
-    for given in (ArmOptions(sex="female", strength=20), by_set):
-        assert scene(given).options["wearer"] == pytest.approx(woman)
-        assert given.config(None, None)["wearer"] == pytest.approx(woman)
-    assert scene(ArmOptions(sex="female", stature=1.7)).options["wearer"]["stature"] == 1.7
+    found = scene({"wearer": {"sex": "female", "strength": 20}})
+    assert found.options["wearer"] == pytest.approx(woman)
+    tall = scene({"wearer": {"sex": "female", "stature": 1.7}})
+    assert tall.options["wearer"]["stature"] == 1.7
 
 
 def test_the_options_of_a_run_hold(tmp_path):
     run = run_folder(tmp_path / "run", side="left", tilt=[0.1, 0.0], allow_uncertified=True)
-    chosen = scene(ArmOptions(), policies=("none", run), usual={"gravity": "mars"})
+    chosen = scene({}, policies=("none", run), usual={"gravity": "mars"})
     assert chosen.env == ENVIRONMENT["env"]
     expected = {name: value for name, value in ENVIRONMENT.items() if name != "env"}
     expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
     expected |= {"preconditioned": False, "level": "nominal"}  # which runs of before do not tell
     assert chosen.options == expected
     plant = run_folder(tmp_path / "worn", preconditioned=True)
-    assert scene(ArmOptions(), policies=(plant,)).options["preconditioned"]
-    assert ArmOptions(preconditioned=True).config(None, None)["preconditioned"]
+    assert scene({}, policies=(plant,)).options["preconditioned"]
 
 
 def test_the_same_option_may_be_given_again(tmp_path):
     run = run_folder(tmp_path / "run")
-    arm = ArmOptions(payload=2, tilt=(0.0, 0.0), stature=1.78)
-    chosen = scene(arm, gravity="moon", env=f"activesuit:{ENVIRONMENT['env']}", policies=(run,))
-    assert chosen == scene(ArmOptions(), policies=(run,))
+    given = {"payload": {"mass": 2}, "tilt": (0.0, 0.0), "wearer": {"stature": 1.78}}
+    given |= {"gravity": "moon", "env": f"activesuit:{ENVIRONMENT['env']}"}
+    assert scene(given, policies=(run,)) == scene({}, policies=(run,))
 
 
 @pytest.mark.parametrize(
-    ("given", "arm", "message"),
+    ("given", "message"),
     [
-        ({"gravity": "earth"}, {}, "--gravity 'earth', .* with 'moon': leave --gravity out"),
-        ({"env": "ActiveSuit/ArmTracking-v0"}, {}, "--env 'ActiveSuit/ArmTracking-v0'"),
-        ({"suit": "none"}, {}, "--suit 'none'"),
-        ({}, {"payload": 0.0}, "--payload 0.0"),
-        ({}, {"pressure": 29.6}, "--pressure 29.6, .* trained with None"),
-        ({}, {"tilt": (0.0, 0.1)}, r"--tilt \[0.0, 0.1\]"),
-        ({}, {"sex": "female"}, "--sex 'female'"),
-        ({}, {"allow_uncertified": True}, "--allow-uncertified True"),
+        ({"gravity": "earth"}, "--gravity 'earth', .* with 'moon': leave --gravity out"),
+        ({"env": "ActiveSuit/ArmTracking-v0"}, "--env 'ActiveSuit/ArmTracking-v0'"),
+        ({"suit": "none"}, "--suit 'none'"),
+        ({"payload": {"mass": 0.0}}, "--payload.mass 0.0"),
+        ({"pressure": 29.6}, "--pressure 29.6, .* trained with None"),
+        ({"tilt": (0.0, 0.1)}, r"--tilt \[0.0, 0.1\]"),
+        ({"wearer": {"sex": "female"}}, "--wearer.sex 'female'"),
+        ({"allow_uncertified": True}, "--allow-uncertified True"),
     ],
 )
-def test_another_option_is_one_sentence(tmp_path, given, arm, message):
+def test_another_option_is_one_sentence(tmp_path, given, message):
     run = run_folder(tmp_path / "run")
     with pytest.raises(InputError, match=message):
-        scene(ArmOptions(**arm), **given, policies=(run,))
+        scene(given, policies=(run,))
 
 
 @pytest.mark.parametrize(
     "command",
-    [
-        ["evaluate", "--policies"],
-        ["simulate", "--out", "out", "--policy"],
-        ["view", "--policy"],
-    ],
+    [["evaluate", "--policies"], ["simulate", "--out", "out", "--policy"], ["view", "--policy"]],
 )
 def test_every_command_asks_the_run(tmp_path, monkeypatch, capsys, command):
     monkeypatch.chdir(tmp_path)
@@ -170,49 +162,108 @@ def test_every_command_asks_the_run(tmp_path, monkeypatch, capsys, command):
 def test_runs_of_different_options_are_not_compared(tmp_path):
     one, other = run_folder(tmp_path / "one"), run_folder(tmp_path / "other", gravity="mars")
     same = run_folder(tmp_path / "same", algo="sac", seed=7)
-    both, alone = (scene(ArmOptions(), policies=given) for given in ((one, same), (one,)))
+    both, alone = (scene({}, policies=given) for given in ((one, same), (one,)))
     assert (both.env, both.options) == (alone.env, alone.options)
     with pytest.raises(InputError, match=r"same' has --gravity 'moon', .*'mars': give runs"):
-        scene(ArmOptions(), policies=(one, same, other))
+        scene({}, policies=(one, same, other))
 
 
 def test_the_level_of_a_run_holds_unless_one_is_given(tmp_path):
     own = {"suit": "mock-suit", "gravity": "mars", "pressure": None}
     run = run_folder(tmp_path / "run", level="shift", **own)
-    found = scene(ArmOptions(), policies=(run,))
+    found = scene({}, policies=(run,))
     assert {name: found.options[name] for name in own} == own  # not those of the level
-    assert found == scene(ArmOptions(), level="shift", policies=(run,))
+    assert found == scene({"level": "shift"}, policies=(run,))
     assert found.place == "ActiveSuit/ElbowFlexion-v0, mars, mock-suit, level shift"
-    nominal = scene(ArmOptions(), level="nominal", policies=(run,))
+    nominal = scene({"level": "nominal"}, policies=(run,))
     assert nominal.options == {**found.options, "level": "nominal"}
     other = run_folder(tmp_path / "other", **own)
     with pytest.raises(InputError, match=r"--level 'shift', .* with 'nominal': add --level"):
-        scene(ArmOptions(), policies=(run, other))
-    both = scene(ArmOptions(), level="randomized", policies=(run, other))
+        scene({}, policies=(run, other))
+    both = scene({"level": "randomized"}, policies=(run, other))
     assert both.options == {**found.options, "level": "randomized"}
-    shifted = scene(ArmOptions(), level="shift", policies=(other,)).options
+    shifted = scene({"level": "shift"}, policies=(other,)).options
     assert (shifted["suit"], shifted["pressure"]) == ("emu-like", 40)
 
 
-def test_options_of_a_run_that_have_no_flag_hold(tmp_path):
+def test_nested_options_of_a_run_hold(tmp_path):
     load = {"mass": 2.0, "inertia": [0.1, 0.1, 0.1]}
     more = {"payload": load, "exo": {"elbow": {"peak_torque": 30.0}}, "fatigue": True}
     run = run_folder(tmp_path / "run", **more, sensing={"rate_cutoff": 10.0, "emg_noise": 0.0})
-    found = scene(ArmOptions(), policies=(run,)).options
+    found = scene({}, policies=(run,)).options
     assert {name: found[name] for name in more} == more
-    with pytest.raises(InputError, match=r"--set exo .*30.0.*: leave --set exo out"):
-        scene(set_("exo.elbow.peak_torque=20"), policies=(run,))
-    with pytest.raises(InputError, match=r"--set payload.inertia .*: leave"):
-        scene(set_("payload.inertia=[1,1,1]"), policies=(run,))
-    other = set_("fatigue=false sensing.rate_cutoff=5", "max_episode_steps=50")
+    with pytest.raises(InputError, match=r"--exo.elbow.peak-torque 20, .*: leave --exo.elbow"):
+        scene({"exo": {"elbow": {"peak_torque": 20}}}, policies=(run,))
+    other = {"fatigue": False, "sensing": {"rate_cutoff": 5}, "max_episode_steps": 50}
     found = scene(other, policies=(run,)).options  # may differ, as the level may
     assert not found["fatigue"] and found["max_episode_steps"] == 50
     assert found["sensing"] == {"rate_cutoff": 5, "emg_noise": 0.0}
-    with pytest.raises(InputError, match=r"--set fatigue False, .*: leave --set fatigue out"):
-        scene(set_("fatigue=false"), run=Path(run))  # a run that goes on stays as it is
+    with pytest.raises(InputError, match=r"--fatigue False, .*: leave --fatigue out"):
+        scene({"fatigue": False}, run=Path(run))  # a run that goes on stays as it is
     plain = run_folder(tmp_path / "plain", payload=load)
-    with pytest.raises(InputError, match=r"run' has --set exo .* the usual one: give runs"):
-        scene(ArmOptions(), policies=(run, plain))
+    with pytest.raises(InputError, match=r"run' has --exo\S+ .* the usual one: give runs"):
+        scene({}, policies=(run, plain))
+
+
+def test_what_a_policy_observes_follows_from_it():
+    sensors = {"sensors": ("encoders", "preview")}
+    with pytest.raises(InputError, match="--sensors is given, and what a policy observes"):
+        scene(sensors, policies=("compensation", "best-known-plan"))
+    assert scene(sensors).options["sensors"] == ["encoders", "preview"]
+
+
+def test_simulate_and_evaluate_keep_the_options(tmp_path, capsys, undrawn):
+    short = ["--task", "ElbowFlexion", "--max-episode-steps", "50"]
+    given = ["--fatigue", "true", "--sensing.rate-cutoff=10", "--wearer.stature", "1.6"]
+    main(["simulate", *short, *given, "--payload", "0", "--out", str(tmp_path / "out")])
+    result = json.loads((tmp_path / "out" / "result.json").read_text())
+    kept = {"max_episode_steps": 50, "fatigue": True, "sensing": {"rate_cutoff": 10}}
+    assert {name: result[name] for name in kept} == kept
+    assert result["wearer"]["stature"] == 1.6
+    assert len((tmp_path / "out" / "trace.csv").read_text().splitlines()) == 51
+    capsys.readouterr()
+    few = ["--policies", "none", "--motions", "8", "--unadapted", "--json"]
+    efforts = []
+    for more in (["--fatigue", "false"], ["--wearer.strength", "5"]):
+        main(["evaluate", *short, *few, *more])
+        found = json.loads(capsys.readouterr().out)
+        efforts.append(found["scores"]["none"]["effort"])
+    assert efforts[0] != efforts[1]
+
+
+def test_a_benchmark_with_options_is_one_of_its_own():
+    quick = suite("quick")
+    other = suite("quick", options={"fatigue": True})
+    assert suite("quick", options={}).contract == quick.contract != other.contract
+    setting = quick.settings[0]
+    assert other.environment(setting) == {**quick.environment(setting), "fatigue": True}
+    assert other.protocol(other.policies["none"])["options"] == {"fatigue": True}
+
+
+@pytest.mark.slow
+def test_a_training_keeps_the_options(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("stable_baselines3")
+    shorten_tasks(monkeypatch, 0.5)
+    quick = tmp_path / "quick.yml"
+    quick.write_text("default: {n_envs: 8, n_steps: 32, batch_size: 64}")
+    out = tmp_path / "run"
+    given = ["--fatigue", "true", "--sensing.rate-cutoff", "10", "--sensors", "encoders", "emg"]
+    given += ["--randomize.load", "0.1"]
+    usual = ["--steps", "256", "--motions", "0", "--hyperparameters", str(quick)]
+    main(["train", "--out", str(out), *usual, *given])
+    card = json.loads((out / CARD).read_text())
+    assert card["environment"]["fatigue"] is True
+    assert card["environment"]["sensing"] == {"rate_cutoff": 10}
+    assert card["environment"]["sensors"] == ["encoders", "emg"]
+    assert card["training"]["randomize"] == {"load": 0.1}
+    found = scene({}, policies=(str(out),)).options
+    assert found["fatigue"] and "randomize" not in found
+    short = ["--policies", "none", str(out), "--motions", "8", "--unadapted", "--json"]
+    capsys.readouterr()
+    main(["evaluate", *short, "--fatigue", "false"])
+    assert json.loads(capsys.readouterr().out)["fatigue"] is False
+    resume = ["train", "--out", out, "--resume", "--steps", 512, "--fatigue", "false"]
+    assert "leave --fatigue out" in fails(capsys, *resume)
 
 
 def test_a_policy_of_save_policy_is_a_run(tmp_path):
@@ -220,7 +271,7 @@ def test_a_policy_of_save_policy_is_a_run(tmp_path):
     env = ArmEnv("ElbowFlexion", gravity="moon", payload={"mass": 2.0})
     save_policy(Network(weights), tmp_path / "saved", env)
     trained, saved = run_folder(tmp_path / "run"), str(tmp_path / "saved")
-    both, alone = (scene(ArmOptions(), policies=given) for given in ((trained, saved), (trained,)))
+    both, alone = (scene({}, policies=given) for given in ((trained, saved), (trained,)))
     assert (both.env, both.options) == (alone.env, alone.options)
 
 
@@ -232,14 +283,14 @@ def test_an_environment_of_your_own(own, capsys, undrawn, name):
     assert result["env"] == env
     with open("one/trace.csv") as trace:
         assert len(trace.readlines()) == 51
-    score = ["evaluate", "--env", env, "--episodes", "8", "--unadapted", "--policies", "none"]
+    score = ["evaluate", "--env", env, "--motions", "8", "--unadapted", "--policies", "none"]
     assert json.loads(run(capsys, *score, "--json"))["env"] == env
 
 
 def test_your_own_environment_in_the_library(own, monkeypatch):
     monkeypatch.syspath_prepend(".")
     for name in (own, "Mine/Quick-v0"):  # registered by now
-        found = evaluate(name, ["none"], episodes=1, references=False, adapted=False)
+        found = evaluate(name, ["none"], motions=1, references=False, adapted=False)
         assert found.scores["none"].failures == 0
 
 
@@ -279,7 +330,7 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
     main(["train", "--resume", "--steps", "512", "--out", "run"])
     in_another_process()
     capsys.readouterr()
-    score = ["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"]
+    score = ["evaluate", "--policies", "none", "run", "--motions", "8", "--unadapted", "--json"]
     assert json.loads(run(capsys, *score))["env"] == own
 
 
@@ -290,7 +341,7 @@ def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     half = tmp_path / "half.json"
     save_suit(suit.model_copy(update={"joints": elbow}), half)
-    short = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0"]
+    short = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0"]
     out = run(capsys, "validate", half, "--plant", "mock-suit", *short)
     assert f"shoulder_flexion: not assisted, because {half} has no such joint" in out
     out = run(capsys, "validate", "mock-suit", "--plant", half, *short, "--out", tmp_path / "out")
@@ -304,7 +355,7 @@ def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch, tmp_path):
     shorten_tasks(monkeypatch, 0.5)
     suit = str(tmp_path / "suit.json")
     without_volume_shares(load_suit("emu-like")).save(suit)
-    short = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
+    short = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
     out = run(capsys, "validate", suit, "--plant", suit, *short, "--out", tmp_path / "out")
     assert "so that relief has no meaning" in out
     assert json.loads((tmp_path / "out" / "result.json").read_text())["cells"][0]["relief"] is None

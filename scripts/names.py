@@ -1,0 +1,100 @@
+"""Names of options, read from the text of their declarations, so that nothing slow is imported.
+
+A wrong name is answered before MuJoCo, SciPy and Numba are loaded, which takes seconds.
+"""
+
+import ast
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+from ..errors import InputError
+
+PACKAGE = Path(__file__).parents[1]
+DECLARED = {  # dataclasses whose fields are options, and their files
+    "Setup": "envs/setup.py",
+    **dict.fromkeys(("ArmConfig", "Payload"), "envs/model/config.py"),
+    **dict.fromkeys(("Exo", "Motor"), "envs/model/exoskeleton.py"),
+    "Person": "envs/person/anthropometry.py",
+    "VoluntaryControl": "envs/person/control.py",
+    "Randomization": "envs/randomization.py",
+    "Sensing": "envs/simulation/sensing.py",
+    "Faults": "envs/simulation/faults.py",
+    "Corrections": "identification/corrections.py",
+}
+FLAT = ("arm", "corrections")  # fields and parameters whose own fields have no prefix
+LIMIT, ALIAS = "max-episode-steps", "payload"  # of a task; short for payload.mass
+STANDS_FOR = {  # parameters of commands that stand for many options
+    "arm": ("ArmConfig", {ALIAS}),
+    "environment": ("Setup", {ALIAS, LIMIT}),
+    "options": ("Setup", {ALIAS, LIMIT, "level", "task", "env"}),
+}
+
+
+def check_names(command: str, arguments: Iterable[str], old: Mapping[str, str]) -> None:
+    """Refuses an option that a command does not have.
+
+    Args:
+        command: Name of the command.
+        arguments: Arguments of the command.
+        old: Sentences about options of version 0.2, by their names.
+    """
+    for given in arguments:
+        name = given.partition("=")[0].replace("_", "-")
+        known = option_names(command.rsplit(maxsplit=1)[-1])
+        if not name.startswith("--") or name[2:] in known or name == "--":
+            continue
+        if name in old:
+            raise InputError(f"{name} was an option of version 0.2: {old[name]}")
+        leaves = {path.rpartition(".")[2]: path for path in known} | {one: one for one in known}
+        close = difflib.get_close_matches(name[2:], leaves, n=3, cutoff=0.6)
+        hint = " or ".join(f"--{leaves[one]}" for one in dict.fromkeys(close[:1] or []))
+        raise InputError(
+            f"unknown option {name}"
+            + (f": did you mean {hint}?" if hint else f": activesuit {command} --help lists all")
+        )
+
+
+@cache
+def option_names(command: str) -> frozenset[str]:
+    """Returns the names of the options of a command, as they are written behind two dashes."""
+    (function,) = (
+        node
+        for node in _parsed(f"scripts/commands/{command}.py").body
+        if isinstance(node, ast.FunctionDef) and node.name == command
+    )
+    names = {"help"}
+    for one in (*function.args.args, *function.args.kwonlyargs):
+        kind = ast.unparse(one.annotation) if one.annotation else ""
+        if one.arg in FLAT:
+            names |= {*_fields(next(name for name in DECLARED if name in kind))}
+        else:
+            names.add("for" if kind == "Use" else one.arg.replace("_", "-"))
+    if function.args.kwarg:
+        declared, more = STANDS_FOR[function.args.kwarg.arg]
+        names |= {*_fields(declared)} | more
+    return frozenset(names)
+
+
+def _fields(declared: str, prefix: str = "") -> Iterator[str]:
+    """Yields the names of the options that the fields of a dataclass are."""
+    (node,) = (
+        node
+        for node in _parsed(DECLARED[declared]).body
+        if isinstance(node, ast.ClassDef) and node.name == declared
+    )
+    for one in node.body:
+        if not isinstance(one, ast.AnnAssign) or not isinstance(one.target, ast.Name):
+            continue
+        name = one.target.id.replace("_", "-")
+        kind = ast.unparse(one.annotation).removesuffix(" | None")
+        if kind in DECLARED:
+            yield from _fields(kind, prefix if name in FLAT else f"{prefix}{name}.")
+        elif kind != "tuple[Person, ...]":  # which no flag can tell
+            yield prefix + name
+
+
+@cache
+def _parsed(file: str) -> ast.Module:
+    return ast.parse((PACKAGE / file).read_text(encoding="utf-8"))
