@@ -31,7 +31,6 @@ ELSEWHERE = {  # how examples begin that are not run here, and why
 SMALL = (  # command, further words of an example, and options beside its own or instead of them
     ("identify", "auto", ["--samples", "2"]),
     ("evaluate", "", ["--motions", "8"]),
-    ("evaluate", "--table", ["--policies", "none", "--unadapted"]),
     ("validate", "", ["--motions", "8"]),
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--motions", "8"]),
     ("train", "", ["--steps", "8192"]),

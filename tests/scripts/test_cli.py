@@ -149,24 +149,6 @@ def test_the_motions_have_what_muscles_have_left(capsys, tmp_path):
     assert any(share[0] > 0 for share in score["fatigued"].values())
 
 
-def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_path):
-    from activesuit.scripts.commands import evaluate as module
-
-    shorten_tasks(monkeypatch, 0.2)
-    monkeypatch.setattr(module, "PLACES", ("earth", "microgravity"))
-    monkeypatch.setattr(module, "SUITS", ("emu-like",))
-    arguments = ["--table", "--policies", "none", "--unadapted", *FEW, "--out", tmp_path]
-    settings = json.loads(run(capsys, "evaluate", *arguments))["settings"]
-    found = [(one["coupling"], one["suit"], one["gravity"]) for one in settings]
-    assert found == [
-        *(("rigid", "emu-like", "earth"), ("rigid", "emu-like", "microgravity")),
-        *(("cuffs", "emu-like", "earth"), ("cuffs", "emu-like", "microgravity")),
-    ]
-    assert {path.name for path in tmp_path.glob("*.csv")} == {
-        f"motions-{i}.csv" for i in range(1, 5)
-    }
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("short")
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):

@@ -70,7 +70,6 @@ EVALUATE = {
     "--env ActiveSuit/Elbow-v0": "did you mean 'ActiveSuit/ElbowFlexion-v0'",
     "--env CartPole-v1": "'CartPole-v1' is no arm of ActiveSuit",
     "--env Nothing-v0": "unknown environment 'Nothing-v0'",
-    "--table --gravity moon": "--table has its own suits, places and",
     "--gravity venus": "unknown gravity 'venus'",
     "--suit published-2022": "certificate margin is -0.245",
     "--seed -1": "seed is -1",

@@ -50,15 +50,9 @@ def test_the_momentum_observer_finds_a_torque_on_a_moving_arm():
     assert np.abs(data.qvel).max() > 1  # it has moved fast meanwhile
 
 
-<<<<<<< HEAD:tests/envs/policies/test_observers.py
 def test_the_momentum_observer_needs_no_model_of_the_suit():
     options = {"motions": 1, "adapted": False, "references": False}
     options |= {"gravity": "microgravity", "suit": "emu-like"}
-=======
-def test_it_needs_no_model_of_the_suit():
-    options = {"motions": 1, "gravity": "microgravity", "adapted": False, "references": False}
-    options |= {"suit": "emu-like"}
->>>>>>> opts:tests/envs/policies/test_momentum_observer.py
     policies = ("none", "observer", "compensation:suit=mock-suit")
     scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores
     off, observer, compensation = (scores[name].torque["elbow_flexion"][0] for name in policies)

@@ -120,7 +120,6 @@ def test_a_film_draws_what_is_registered(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        (("evaluate", "--score", "toy", "--table"), "--table has no scores of extras"),
         (("evaluate", "--score", "toy", "--fatigue", "true"), "toys do not tire"),
         (("evaluate", "--score", "tow"), "unknown score 'tow': use one of "),
         (("benchmark", "run", "--score", "tow"), "unknown score 'tow'"),
