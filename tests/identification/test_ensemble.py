@@ -12,7 +12,7 @@ from activesuit.identification import Curve, first_order_motions, nested_motion,
 from activesuit.identification.ensemble import NEARLY, ensemble, excess
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.residual.noise import estimate_noise, slow_noise
-from helpers import along, assert_refused, sweep
+from helpers import along, assert_refused
 
 START, END, NOISE = 0.52, 1.57, 0.1
 TURNS = (0.73, 0.94, 1.15, 1.36, 1.57)
@@ -38,7 +38,8 @@ def covered(found, truth):
 
 @pytest.fixture(scope="module")
 def unseen():
-    return sweep(0.52, 1.4, 0.8, 1.2, 0.9, samples=50)
+    legs = (0.52, 1.4), (1.4, 0.8), (0.8, 1.2), (1.2, 0.9)
+    return np.concatenate([np.linspace(*leg, 50) for leg in legs])
 
 
 @pytest.fixture(scope="module")
