@@ -76,7 +76,7 @@ class TrainingRequest:
         checkpoint = _check_folder(out, self.resume, self.trust, self.force)
         chosen, config = self._scene_and_config(out)
         card, options = card_and_options(chosen, config)
-        folder = RunFolder(out, force=self.force, resumes=self.resume)
+        folder = RunFolder(out, force=self.force, resumes=(out / CARD).is_file())
         train = distill if "teacher" in config else learn
         with telling(lambda: _kept(folder)):
             return train(folder, card, options, checkpoint, self.torch_threads)
