@@ -279,9 +279,8 @@ def relief_plot(evaluation: Evaluation) -> Plot | None:
     known = {name: one for name, one in found.items() if one is not None}
     if not known:
         return None
-    value, low, high = (
-        [getattr(x, end) for x in known.values()] for end in ("value", "low", "high")
-    )
+    ends = ("value", "low", "high")
+    value, low, high = ([getattr(one, end) for one in known.values()] for end in ends)
     marks = [Intervals([*known], value, low, high, color=PALETTE[0])]
     axis = "relief: 0 is the suit alone, 1 is no suit"
     panel = Panel(x=axis, y="", marks=marks)

@@ -82,7 +82,7 @@ class TrainingRequest:
             say(f"the training in {out} is at its end: give more --steps to go on")
             return
         card, options = _card_and_options(chosen, config)
-        folder = RunFolder(out, force=self.force, resumes=self.resume)
+        folder = RunFolder(out, force=self.force, resumes=(out / CARD).is_file())
         run = Run(folder=folder, card=card, options=options, checkpoint=checkpoint)
         with telling(lambda: _kept(folder)):
             begin_torch(self.torch_threads)
