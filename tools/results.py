@@ -24,7 +24,7 @@ from .measure import EXPERIMENTS, TRAININGS, kept
 
 WEIGHTLESS = "microgravity"
 CUFFS = DOCS / "cuffs.jsonl"
-PLACES = {"earth": "Earth", "mars": "Mars", "moon": "Moon", WEIGHTLESS: "weightless"}
+PLACES = {"earth": "Earth", "mars": "Mars", "moon": "Moon", WEIGHTLESS: "microgravity"}
 CAUSAL = ("adaptive", "observer", "disturbance-observer", "iterative", "impedance", "predictive")
 
 
@@ -55,7 +55,7 @@ def scores(place: str) -> dict[str, Any]:
 
 
 def _effects(names: Mapping[str, str]) -> str:
-    header = ["", "effort, Earth", "relief, Earth", "effort, weightless", "relief, weightless"]
+    header = ["", "effort, Earth", "relief, Earth", "effort, microgravity", "relief, microgravity"]
     rows = []
     for name, title in names.items():
         cells = [title]
@@ -84,9 +84,9 @@ def door() -> str:
     given = [signed(space[name]["relief"]["value"]) for name in policies]
     return (
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
-        f"and from {bare[1]} to {suited[1]} in weightlessness.\n"
+        f"and from {bare[1]} to {suited[1]} in microgravity.\n"
         f"Compensation gives back {given[0]} of that in "
-        f"weightlessness, the best known plan {given[1]}. "
+        f"microgravity, the best known plan {given[1]}. "
         "Motors that are off add weight and gear\nfriction, "
         "and on Earth cancelling the suit alone does not make up for that weight."
     )
@@ -136,7 +136,7 @@ def _matrix(columns: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def four_settings() -> str:
-    """Returns relief in both suits on Earth and in weightlessness, in the rigid exoskeleton."""
+    """Returns relief in both suits on Earth and in microgravity, in the rigid exoskeleton."""
     columns = {
         f"{PLACES[place]}, {suit}": settings()[place, suit, "rigid"]
         for suit in ("mock-suit", "emu-like")
@@ -214,7 +214,7 @@ def findings() -> str:
         f"the others the rank correlation is at least {min(ranks):.2f}: neighbours of almost the "
         "same relief change places, since the reward also charges tracking and chatter.",
         "**A strong suit on cuffs is another matter.** The cuffs yield, so that the encoders show "
-        "another angle than the arm's. In weightlessness and the emu-like suit `compensation` "
+        "another angle than the arm's. In microgravity and the emu-like suit `compensation` "
         f"falls from {reliefs[0]:.2f} to {reliefs[1]:.2f}, below `feedforward` ({reliefs[2]:.2f}). "
         f"It presses up to {drifting['cuff_peak']['upper_arm']:.0f} N on the upper arm, where "
         f"{FORCE_LIMITS['upper_arm']:.0f} N is what a person should bear, and "
@@ -257,7 +257,7 @@ def laws() -> str:
                 found = [*(place["scores"][name] for place in places), misled]
                 title = f"`{name}`" + (", cuffs" if coupling == "cuffs" else "")
                 rows.append([title, *(signed(one["relief"]["value"]) for one in found)])
-    header = ["policy", "Earth, mock-suit", "weightless, emu-like", "shift"]
+    header = ["policy", "Earth, mock-suit", "microgravity, emu-like", "shift"]
     return markdown_table(header, rows)
 
 
@@ -372,7 +372,7 @@ def shipped() -> str:
 
 
 def weightless() -> str:
-    """Returns a table of trainings in weightlessness, by their options."""
+    """Returns a table of trainings in microgravity, by their options."""
     rows = []
     for name, options in TRAININGS.items():
         found = kept(f"weightless-{name}")["result"]

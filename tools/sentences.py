@@ -45,7 +45,7 @@ def _controllers() -> Iterator[str]:
         f"{1e3 * one['unadapted_tracking']:.0f} against {1e3 * one['tracking']:.0f}"
         for one in (earth["suited"], scores(WEIGHTLESS)["none"])
     ]
-    yield f"{pairs[0]} mrad in the suit on Earth, {pairs[1]} with the motors off, weightless"
+    yield f"{pairs[0]} mrad in the suit on Earth, {pairs[1]} with the motors off, in microgravity"
     rigid = [one["scores"] for where, one in settings().items() if "rigid" in where]
     errors = [
         1e3 * max(one[name]["tracking"] for one in rigid) for name in ("none", "compensation")
@@ -125,7 +125,7 @@ def _environments() -> Iterator[str]:
         for name, between in (("suited", " on Earth and "), ("unsuited", " and "))
     }
     both = f"{earth['compensation']['reward']:.2f} and {space['compensation']['reward']:.2f}"
-    yield f"earns {pairs['suited']} weightless, the unsuited one {pairs['unsuited']}"
+    yield f"earns {pairs['suited']} in microgravity, the unsuited one {pairs['unsuited']}"
     yield f"compensation {both}"
     rows = {(one["what"], one["against"]): one for one in kept("bench-env")["result"]["rows"]}
     reset = rows["reset of 1024 rows", ""]["ours"]
