@@ -127,7 +127,7 @@ def _fields_of(
         if one.name in without or kind == tuple[Person, ...]:
             continue
         value, text = usual.get(one.name), texts[one.name]
-        if is_dataclass(kind):
+        if isinstance(kind, type) and is_dataclass(kind):
             found[one.name] = _group(one.name, kind, value, text)
             continue
         found[one.name] = _flag(one.name, kind, value, text, one.metadata.get("setting"))

@@ -49,7 +49,7 @@ def test_the_full_suite_has_everything():
     full = SUITES["full"]
     assert full.tasks == tuple(TASKS)
     assert len(full.levels) == 3
-    assert full.episodes == 20
+    assert full.motions == 20
     known = {*POLICIES, *shipped_policies()}
     assert (
         known > set(full.policies) > {*shipped_policies(), "compensation", "adaptive", "predictive"}

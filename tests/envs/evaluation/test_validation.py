@@ -192,5 +192,5 @@ def test_beliefs_that_cannot_be_validated():
     wrist = {"wrist_flexion": load_suit("emu-like").joints["wrist_flexion"]}
     with pytest.raises(InputError, match="and neither shoulder_flexion nor elbow_flexion"):
         validate(ENV, {"mine": wrist}, suit="mock-suit", **WEIGHTLESS)
-    with pytest.raises(InputError, match="episodes is 7: use at least 8"):
+    with pytest.raises(InputError, match="motions is 7: use at least 8"):
         validate(ENV, {"mine": elbow}, motions=7, suit="mock-suit", **WEIGHTLESS)
