@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import redirect_stderr
 from dataclasses import field, fields, is_dataclass, make_dataclass
 from types import NoneType
-from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
@@ -127,8 +127,8 @@ def _fields_of(
         if one.name in without or kind == tuple[Person, ...]:
             continue
         value, text = usual.get(one.name), texts[one.name]
-        if is_dataclass(kind):
-            found[one.name] = _group(one.name, cast(type, kind), value, text)
+        if isinstance(kind, type) and is_dataclass(kind):
+            found[one.name] = _group(one.name, kind, value, text)
             continue
         found[one.name] = _flag(one.name, kind, value, text, one.metadata.get("setting"))
     return found

@@ -228,7 +228,9 @@ def test_unknown_and_missing_command_and_option(capsys):
     unknown = fails(capsys, "--fly", "list")
     assert "unknown command '--fly': use one of benchmark, demo" in unknown
     assert "give a command: benchmark" in fails(capsys)
-    assert "unknown part of list 'suit': use one of suits, tasks" in fails(capsys, "list", "suit")
+    assert "unknown part of list 'suit': use one of policies, suits" in fails(
+        capsys, "list", "suit"
+    )
 
 
 def test_help_lists_every_command_as_its_own_help_begins(capsys):
