@@ -24,6 +24,7 @@ TUTORIALS = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glo
 EXAMPLES = sorted(f"examples/{path.name}" for path in (DOCS / "examples").glob("*.md"))
 FIGURES = DOCS / "figures"
 NEEDS_MUSCLES = re.compile("activesuit.envs.muscles|myo_sim")  # code that needs that extra
+NUMBER = re.compile(r" *-?\d+\.?\d*")
 SCRIPTS = sorted(path.stem for path in FIGURES.glob("*.py"))
 
 
@@ -61,6 +62,25 @@ def test_examples_of_a_page_run_in_order(name, folder):
     names = {"__name__": "__main__"}
     for number, block in enumerate(examples(name)):
         exec(compile(block, f"{name}, example {number}", "exec"), names)
+
+
+@pytest.mark.slow
+def test_examples_of_the_readme_print_what_stands_below_them(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(
+        r"^```python\n(.*?)^```\n```text\n(.*?)^```$", text, re.DOTALL | re.MULTILINE
+    )
+    assert len(blocks) == text.count("```python") == 4
+    for code, shown in blocks:
+        if "stable_baselines3" in code:
+            pytest.importorskip("stable_baselines3")
+        exec(compile(code, "README", "exec"), {"__name__": "__main__"})
+        printed = capsys.readouterr().out
+        assert NUMBER.sub("#", printed) == NUMBER.sub("#", shown)
+        near = 0.5 if "PPO" in code else 0.02  # a short training differs from machine to machine
+        pairs = zip(NUMBER.findall(printed), NUMBER.findall(shown), strict=True)
+        assert all(abs(float(one) - float(other)) <= near for one, other in pairs)
 
 
 @pytest.mark.slow
