@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS
-from .figures import ASSISTED_COLUMNS
+from .evaluation.figures import ASSISTED_COLUMNS
 
 INCHES = 5.4  # [in], height of the figure, so that letters grow with the picture
 TAIL = 0.22  # share of the motion, before the present, that is bright

@@ -39,7 +39,10 @@ ROOT_MODULES = {
     "files",
     "json_files",
     "kernels",
+    "plots",
     "published",
+    "tables",
+    "text",
     "__init__",
 }
 

@@ -132,8 +132,8 @@ class Evaluation:
 
     def plots(self) -> dict[str, Plot]:
         """Returns figures by name: the reliefs, and the first motion of each policy."""
-        from ..figures import motion_plots
         from . import report
+        from .figures import motion_plots
 
         relief = report.relief_plot(self)
         first = {name: traces[0] for name, traces in self.traces.items()}

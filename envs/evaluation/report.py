@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from statistics import fmean
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +12,13 @@ from ...plots import PALETTE, Intervals, Panel, Plot
 from ...tables import Rows
 from ..model import ASSISTED
 from ..model.cuffs import FORCE_LIMITS
-from . import REFERENCES, Evaluation, Interval, Score, Trace
+from .core import REFERENCES
+from .rollout import Trace
+from .scores import Score
+from .statistics import Interval
+
+if TYPE_CHECKING:
+    from .compare import Evaluation
 
 Columns = tuple[list[str], Iterable[Sequence[str]]]  # the header of a CSV file, and its rows
 REFERENCE = "compensation"  # policy that the others are compared with, motion by motion
@@ -19,7 +26,7 @@ SIDEWAYS = "shoulder_abduction"
 NOTED = 1.0  # [N·m], additional torque of abduction that is named
 
 
-def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -> Rows:
+def score_table(scores: Sequence[Score], evaluation: "Evaluation | None" = None) -> Rows:
     """Returns one row per policy: effort, relief, torque by joint, tracking and success.
 
     Args:
@@ -36,7 +43,7 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
 
-def _cells(score: Score, evaluation: Evaluation | None) -> Iterator[str]:
+def _cells(score: Score, evaluation: "Evaluation | None") -> Iterator[str]:
     yield f"{100 * float(np.mean(score.effort)):.1f}"
     if evaluation is not None:
         relief = evaluation.relief(score.policy)
@@ -97,7 +104,7 @@ def _rows(scores: Sequence[Score], cells: Callable[[Score, str], list[str]]) -> 
     ]
 
 
-def story(evaluation: Evaluation) -> Iterator[str]:
+def story(evaluation: "Evaluation") -> Iterator[str]:
     """Yields sentences: what suit and exoskeleton cost, and what each policy gives back."""
     cost = evaluation.suit_cost
     if cost is None:
@@ -130,7 +137,7 @@ def story(evaluation: Evaluation) -> Iterator[str]:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
 
 
-def _abduction(evaluation: Evaluation) -> Iterator[str]:
+def _abduction(evaluation: "Evaluation") -> Iterator[str]:
     """Yields what the wearer's shoulder carries because no motor turns it aside."""
     suited = evaluation.scores["suited"].human_rms[SIDEWAYS]
     others = {
@@ -273,7 +280,7 @@ def outcome(score: Score) -> str:
     )
 
 
-def relief_plot(evaluation: Evaluation) -> Plot | None:
+def relief_plot(evaluation: "Evaluation") -> Plot | None:
     """Returns the relief of each policy with its 95 % interval; None where no relief is known."""
     found = {name: evaluation.relief(name) for name in evaluation.scores if name not in REFERENCES}
     known = {name: one for name, one in found.items() if one is not None}

@@ -9,9 +9,9 @@ import numpy as np
 from ...assets import CURVES, Suit, curves_path, load_suit
 from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace, evaluate
+from ...envs.evaluation.figures import motion_plots
 from ...envs.evaluation.report import score_table
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
-from ...envs.figures import motion_plots
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...envs.rendering import RenderingUnavailableError

@@ -6,6 +6,7 @@ from typing import Any
 from ...checks import check_seed
 from ...envs.evaluation import rollout, score
 from ...envs.evaluation.failures import why_remarks
+from ...envs.evaluation.figures import motion_plots
 from ...envs.evaluation.report import (
     cuff_remarks,
     effort_table,
@@ -13,7 +14,6 @@ from ...envs.evaluation.report import (
     score_table,
     trace_columns,
 )
-from ...envs.figures import motion_plots
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..folders import RunFolder

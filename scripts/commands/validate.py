@@ -11,6 +11,7 @@ from ...assets import load_suit
 from ...checks import at_least, check_seed, once
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation.failures import why_remarks
+from ...envs.evaluation.figures import motion_plots
 from ...envs.evaluation.report import cuff_remarks, score_table, trace_columns
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.validation import (
@@ -33,7 +34,6 @@ from ...envs.evaluation.validation_report import (
     story,
     torque_table,
 )
-from ...envs.figures import motion_plots
 from ...envs.model import ASSISTED
 from ...envs.policies import policy_spec
 from ...errors import InputError

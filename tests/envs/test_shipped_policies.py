@@ -38,7 +38,7 @@ def test_it_acts_by_its_name_in_any_scene(capsys):
     given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
     assert "my-network" in run(capsys, *given, "--motions", "8", "--unadapted")
     assert "It does little." in run(capsys, "list", "policies")
-    observed = fails(capsys, *given, "--set", "history=3")
+    observed = fails(capsys, *given, "--history", "3")
     assert "what a policy observes follows from the policy" in observed
 
 

@@ -44,8 +44,7 @@ FIT_FILES = {  # of `identify --out`
 
 @pytest.mark.usefixtures("short")
 def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
-    out = run(capsys, "identify", ELBOW, "--method", "certified", "--out", tmp_path / "fit")
-    assert "suit.json" in out
+    run(capsys, "identify", ELBOW, "--method", "certified", "--out", tmp_path / "fit")
     assert {path.name for path in (tmp_path / "fit").iterdir()} == FIT_FILES
     result = json.loads((tmp_path / "fit" / "result.json").read_text())
     assert result["nrmse"] < 0.0105
@@ -118,7 +117,7 @@ def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, 
 def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
     options = ["--policies", "none", "gravity", "--motions", "8", "--out", tmp_path]
     out = run(capsys, "evaluate", *options)
-    assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, level nominal, rigid, 8 motions" in out
+    assert "Scores: ActiveSuit/ArmTracking-v0, earth, mock-suit, level nominal, rigid" in out
     assert "The suit raises the wearer's effort from" in out
     assert "gravity: relief " in out
     written = json.loads((tmp_path / "result.json").read_text())

@@ -54,12 +54,10 @@ def test_force_writes_beside_what_is_there(tmp_path):
 
 
 def test_a_run_that_goes_on_finds_its_folder(tmp_path):
-    RunFolder(tmp_path, resumes="config.json").json("config.json", {})
+    RunFolder(tmp_path).json("config.json", {})
     close_folders()
-    RunFolder(tmp_path, resumes="config.json").text("a.txt", "more")
-    close_folders()
-    with pytest.raises(InputError, match="is not empty"):
-        RunFolder(tmp_path, resumes="other.json")
+    RunFolder(tmp_path, resumes=True).text("a.txt", "more")
+    assert {path.name for path in content(tmp_path)} == {"config.json", "a.txt"}
 
 
 def test_a_command_without_a_folder_gets_a_new_one(tmp_path, monkeypatch):

@@ -206,7 +206,7 @@ TRAIN = {
     "--seeds 4-2": "the lowest of each part first",
     f"--seeds {'9' * 5000}": "give whole numbers, as 0-9 or 0,3,5",
     "--seeds few": "give whole numbers, as 0-9 or 0,3,5",
-    "--seeds 1 --seed 1": "--seed is given, and --seeds compares",
+    "--seeds 1 --seed 1": "--seed and --seeds are given: give one of them",
     "--teacher compensation --residual none": "leave --residual out",
     "--teacher compensation --patience 2": "leave --patience out",
     "--teacher compensation --hyperparameters x.yml": "leave --hyperparameters out",

@@ -64,14 +64,17 @@ def test_a_page_follows_the_result(tmp_path, monkeypatch):
     """Another result makes another README, which the test of the pages then refuses."""
     before = door()
     changed = json.loads((FOLDER / "demo.json").read_text(encoding="utf-8"))
-    scores = changed["result"]["evaluation"]["microgravity"]["scores"]
+    scores = changed["result"]["result"]["evaluation"]["microgravity"]["scores"]
     scores["best-known-plan"]["relief"] = {"value": 1.05, "low": 1.03, "high": 1.07}
     (tmp_path / "demo.json").write_text(json.dumps(changed))
     monkeypatch.setattr(measure, "FOLDER", tmp_path)
     after = door()
     assert "1.05 (1.03 to 1.07)" in after
     assert "1.05 (1.03 to 1.07)" not in before
-    assert interval(kept("demo")["evaluation"]["earth"]["scores"]["none"]["relief"]) in before
+    assert (
+        interval(kept("demo")["result"]["evaluation"]["earth"]["scores"]["none"]["relief"])
+        in before
+    )
 
 
 def test_numbers_as_text():

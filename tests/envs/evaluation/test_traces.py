@@ -9,8 +9,8 @@ import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
+from activesuit.envs.evaluation.figures import strain_plot
 from activesuit.envs.evaluation.report import trace_columns
-from activesuit.envs.figures import strain_plot
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import TASKS

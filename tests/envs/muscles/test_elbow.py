@@ -42,7 +42,7 @@ def test_a_motor_that_cancels_the_suit_relieves_the_muscles():
     def cancel(env):
         return -env.data.sensor("elbow_flexion_r_suit_torque").data[0] / PEAK
 
-    place, active = {"gravity": "weightless", "contraction": 0.0}, []
+    place, active = {"gravity": "microgravity", "contraction": 0.0}, []
     for suit, action in (("none", {}), ("emu-like", {}), ("emu-like", {"action": cancel})):
         active.append(run(suit=suit, **place, **action)[0][20:, 1].mean())
     bare, alone, helped = active

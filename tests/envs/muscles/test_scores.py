@@ -105,7 +105,7 @@ def test_motions_that_cannot_be_scored(traces):
     average = isometric_strength(Person.percentile("male", 50))
     low, high = strength_limits(average, angle, np.zeros_like(angle))
     bent = replace(one, angle=angle, strength=np.stack([-low, high], axis=1))
-    tired = motions(motions=1, references=False, fatigue=True)["none"]
+    tired = motions(count=1, references=False, fatigue=True)["none"]
     rows = [
         ([bent], None, "100% of the postures are outside"),
         (tired, None, "MyoArm is scaled by one factor: leave fatigue out"),

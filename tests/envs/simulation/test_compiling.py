@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import activesuit
 import pytest
 from activesuit.envs.simulation import compiling
-from activesuit.hysteresis import first_use
 
 ROOT = Path(activesuit.__file__).parent.parent
 PROGRAM = """
@@ -44,7 +43,6 @@ def test_one_process_is_begun_where_the_cache_is_old_and_awaited(monkeypatch, tm
     monkeypatch.setattr(compiling.subprocess, "Popen", process)
     monkeypatch.setattr(compiling, "_begun", [])
     monkeypatch.setattr(compiling, "_cores", lambda: 2)
-    monkeypatch.setattr(first_use.listener, "expected", first_use.WHOLE)
     monkeypatch.delenv(compiling.ALONE, raising=False)
     source = tmp_path / "cycle.py"
     function = SimpleNamespace(__name__="before", __code__=SimpleNamespace(co_filename=str(source)))
@@ -57,6 +55,6 @@ def test_one_process_is_begun_where_the_cache_is_old_and_awaited(monkeypatch, tm
     for _ in range(2):
         compiling.begin(kernel)
     assert len(begun) == 1 and begun[0][compiling.ALONE] == "1"  # it begins no other
-    assert first_use.listener.expected == first_use.BESIDE and not waited
+    assert not waited
     compiling.wait()
     assert waited

@@ -110,7 +110,7 @@ def test_it_prints_standings(capsys, whole):
     out = run(capsys, "benchmark", "table", whole)
     assert "nominal: all tasks" in out
     assert "compensation" in out
-    found = json.loads(run(capsys, "benchmark", "table", whole, "--json"))
+    found = json.loads(run(capsys, "benchmark", "table", whole, "--json"))["trials"]
     assert [one["policy"] for one in found][:2] == ["unsuited", "suited"]
 
 

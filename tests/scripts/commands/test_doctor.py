@@ -133,7 +133,6 @@ def test_it_counts_what_it_compiles(capsys, monkeypatch):
         return 2 * x
 
     monkeypatch.setenv(ALONE, "1")
-    monkeypatch.setattr(first_use.listener, "expected", None)
     for name in ("_plugins", "_arms", "_models", "_fit"):
         monkeypatch.setattr(compiling, name, lambda: None)
     monkeypatch.setattr(compiling, "_fit", lambda: twice(1.0))

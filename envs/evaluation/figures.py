@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
-from ..assets import JOINTS
-from ..plots import LEAST_HEIGHT, Line, Mark, Panel, Plot
-from .evaluation import Trace
-from .model import ASSISTED
-from .model.cuffs import FORCE_LIMITS
+from ...arrays import Array
+from ...assets import JOINTS
+from ...plots import LEAST_HEIGHT, Line, Mark, Panel, Plot
+from ..model import ASSISTED
+from ..model.cuffs import FORCE_LIMITS
+from .rollout import Trace
 
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 TITLES = [joint.replace("_", " ") for joint in ASSISTED]
