@@ -38,7 +38,7 @@ FIXED = {
 DASHES = {"solid": "-", "dash": "--", "dot": ":"}
 GOOD_TO_BAD = [[0, "#1a9850"], [0.5, "#fee08b"], [1, "#d73027"]]
 LEAST_HEIGHT = 0.1  # of an angle axis [rad], so that noise does not fill it
-DRAWN = 1000  # greatest number of points of a line on a page
+DRAWN = 500, 4000  # greatest number of points of a line, and about that of a panel, on a page
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class Plot:
         ]
 
 
-def thinned(samples: int, most: int = DRAWN) -> NDArray[np.intp]:
+def thinned(samples: int, most: int) -> NDArray[np.intp]:
     """Returns indices of at most about `most` samples at equal distances, and of the last one."""
     return np.union1d(np.arange(0, samples, max(1, -(-samples // most))), [samples - 1])
 
@@ -255,13 +255,14 @@ def _draw_cells(ax: "Axes", mark: Cells) -> None:
 
 def _traces(panel: Panel, styles: Mapping[str, tuple[str, str]]) -> Iterator[dict[str, Any]]:
     """Yields the traces of plotly of a panel."""
+    most = min(DRAWN[0], DRAWN[1] // max(1, len(panel.marks)))
     for mark in panel.marks:
         color, dash = _style(mark, styles)
         common = {"name": _text(mark.name), "meta": mark.name, "showlegend": False}
         match mark:
             case Line():
                 x, y = np.asarray(mark.x, float), np.asarray(mark.y, float)
-                kept = thinned(x.size)
+                kept = thinned(x.size, most)
                 drawn = (
                     {"mode": "markers", "marker": {"color": color, "size": 3.5}}
                     if mark.points
@@ -270,7 +271,7 @@ def _traces(panel: Panel, styles: Mapping[str, tuple[str, str]]) -> Iterator[dic
                 yield common | drawn | {"x": _numbers(x[kept]), "y": _numbers(y[kept])}
             case Band():
                 x, low, high = (np.asarray(one, float) for one in (mark.x, mark.low, mark.high))
-                kept = thinned(x.size)
+                kept = thinned(x.size, most)
                 yield common | {
                     "x": _numbers(np.concatenate([x[kept], x[kept][::-1]])),
                     "y": _numbers(np.concatenate([low[kept], high[kept][::-1]])),

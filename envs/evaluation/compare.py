@@ -107,13 +107,20 @@ class Evaluation:
         cost = self.suit_cost
         return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
 
-    def tables(self) -> dict[str, Rows]:
-        """Returns tables by title: scores with relief, the cost of a motion, medians of units."""
+    def tables(self, place: str = "") -> dict[str, Rows]:
+        """Returns tables by title: scores with relief, the cost of a motion, medians of units.
+
+        Args:
+            place: What was simulated, for the title.
+        """
         from . import report
 
         scores, references = [*self.scores.values()], self.suit_cost is not None
+        title = f"Scores: {place}" if place else "Scores"
         return {
-            "Scores": report.score_table(scores, self if references else None),
+            f"Scores: {place}" if place else "Scores": report.score_table(
+                scores, self if references else None
+            ),
             "Cost per motion": report.effort_table(scores),
             "Units of effort, medians": report.units_table(scores),
         }

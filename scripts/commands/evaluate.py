@@ -75,11 +75,15 @@ def evaluate(
     for name, one in zip(score, extras, strict=True):
         for policy, values in one.values.items():
             result["scores"][policy][name] = values
+    place = f"{chosen.place}, {chosen.options['coupling']}, {motions} motions"
     report = Report(
         heading="Policies compared",
-        about=f"{chosen.place}, {chosen.options['coupling']}, {motions} motions",
+        about=place,
         result=result,
-        tables={**found.tables(), **{t: rows for one in extras for t, rows in one.tables.items()}},
+        tables={
+            **found.tables(place),
+            **{t: rows for one in extras for t, rows in one.tables.items()},
+        },
         answer=[*found.sentences(), *(said for one in extras for said in one.remarks)],
         columns=found.columns(seed),
         plots=found.plots(),

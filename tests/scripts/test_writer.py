@@ -102,7 +102,7 @@ def test_matplotlib_and_plotly_draw_the_same():
     panels = plot.plotly()
     assert len(axes) == len(panels) == 2
     measured, model, _ = panels[0]["data"]
-    assert len(measured["x"]) <= 1001 and measured["x"][-1] == 1  # thinned, with its end
+    assert len(measured["x"]) <= 501 and measured["x"][-1] == 1  # thinned, with its end
     assert model["y"][-1] is None
     assert axes[0].get_xlabel() == panels[0]["layout"]["xaxis"]["title"]["text"] == "angle [rad]"
     color, _ = plot.styles()["model"]
