@@ -112,7 +112,7 @@ def page(report: Report, folder: RunFolder) -> str:
         "tables": [_table(title, *rows) for title, rows in report.tables.items()],
         "answer": [*report.answer],
         "figures": [_figure(plot) for plot in report.plots.values()],
-        "pictures": {name: _png(one) for name, one in report.pictures.items()},
+        "pictures": {name: _source(one) for name, one in report.pictures.items()},
         "origin": [
             _table("Options", ["option", "value"], _flat(settings)),
             _table("Versions", ["package", "version"], _versions()),
@@ -155,15 +155,16 @@ def _plotly() -> str:
     return base64.b64encode(gzip.compress(script, mtime=0)).decode()
 
 
-def _png(picture: Any) -> str:
-    content = io.BytesIO()
-    if hasattr(picture, "savefig"):
-        picture.savefig(content, format="png", dpi=DPI)
+def _source(picture: Any) -> str:
+    """Returns a picture as the source of an image: a drawing as PNG, pixels as JPEG."""
+    content, kind = io.BytesIO(), "png" if hasattr(picture, "savefig") else "jpeg"
+    if kind == "png":
+        picture.savefig(content, format=kind, dpi=DPI)
     else:
         from matplotlib.image import imsave
 
-        imsave(content, picture, format="png")
-    return base64.b64encode(content.getvalue()).decode()
+        imsave(content, picture, format=kind)
+    return f"data:image/{kind};base64,{base64.b64encode(content.getvalue()).decode()}"
 
 
 def _flat(settings: Mapping[str, Any], prefix: str = "") -> list[list[str]]:

@@ -118,9 +118,7 @@ class Evaluation:
         scores, references = [*self.scores.values()], self.suit_cost is not None
         title = f"Scores: {place}" if place else "Scores"
         return {
-            f"Scores: {place}" if place else "Scores": report.score_table(
-                scores, self if references else None
-            ),
+            title: report.score_table(scores, self if references else None),
             "Cost per motion": report.effort_table(scores),
             "Units of effort, medians": report.units_table(scores),
         }

@@ -1,6 +1,7 @@
 """`activesuit evaluate`: compares policies on the same motions."""
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -80,10 +81,7 @@ def evaluate(
         heading="Policies compared",
         about=place,
         result=result,
-        tables={
-            **found.tables(place),
-            **{t: rows for one in extras for t, rows in one.tables.items()},
-        },
+        tables=dict(chain(found.tables(place).items(), *(x.tables.items() for x in extras))),
         answer=[*found.sentences(), *(said for one in extras for said in one.remarks)],
         columns=found.columns(seed),
         plots=found.plots(),
