@@ -211,6 +211,7 @@ def test_the_api_page_names_what_is_public(module):
 LOADED = re.compile(r'<(?:script|link|img|iframe)[^>]*?(?:src|href)="(https?://[^"]+)"')
 
 
+@pytest.mark.slow  # as `make docs` does in CI
 def test_site_builds_without_a_warning_and_loads_nothing_from_a_network(tmp_path):
     commands = pytest.importorskip("mkdocs.commands.build")
     from mkdocs.config import load_config

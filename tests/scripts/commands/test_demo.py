@@ -57,6 +57,7 @@ def test_needs_no_torch(run):
     assert not {"torch", "stable_baselines3"} & set(run[1])
 
 
+@pytest.mark.slow
 def test_the_page_has_both_joints_and_all_motions(folder):
     page = (folder / "report.html").read_text()
     names = [f"loops-{joint}" for joint in ("shoulder", "elbow")] + ["convergence"]
@@ -69,6 +70,7 @@ def test_the_page_has_both_joints_and_all_motions(folder):
     assert len(page) < 3_000_000
 
 
+@pytest.mark.slow
 def test_numbers_are_there(folder):
     fits = json.loads((folder / "fits.json").read_text())
     for joint in ("shoulder", "elbow"):
