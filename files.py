@@ -53,9 +53,7 @@ def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[P
     scratch = _make_scratch(path)
     try:
         yield scratch
-        check_target(path, force=force)
-        scratch.chmod(_mode(path))
-        scratch.replace(path)
+        move(scratch, path, force=force)
     except OSError as error:
         raise InputError(
             f"cannot write {str(path)!r} ({error.strerror}): make room, or choose another folder"
@@ -68,6 +66,13 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Writes `text` to `path` (UTF-8) in one piece: if that fails, the old file stays as it was."""
     with replacing(path) as scratch:
         scratch.write_text(text, encoding="utf-8")
+
+
+def move(scratch: Path, path: Path, *, force: bool = True) -> None:
+    """Puts a finished scratch file in its place, with the permissions of the file it replaces."""
+    check_target(path, force=force)
+    scratch.chmod(_mode(path))
+    scratch.replace(path)
 
 
 def check_target(path: Path, *, force: bool = True) -> None:

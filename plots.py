@@ -37,6 +37,7 @@ FIXED = {
 }
 DASHES = {"solid": "-", "dash": "--", "dot": ":"}
 GOOD_TO_BAD = [[0, "#1a9850"], [0.5, "#fee08b"], [1, "#d73027"]]
+LARGEST = 1e12  # number that is drawn; matplotlib fails at some that are larger
 LEAST_HEIGHT = 0.1  # of an angle axis [rad], so that noise does not fill it
 DRAWN = 500, 4000  # greatest number of points of a line, and about that of a panel, on a page
 
@@ -211,11 +212,13 @@ def _draw(ax: "Axes", panel: Panel, styles: Mapping[str, tuple[str, str]]) -> No
         label = mark.name or None
         match mark:
             case Line(points=True):
-                ax.plot(mark.x, mark.y, ".", ms=2.5, color=color, label=label)
+                ax.plot(*_drawn(mark.x, mark.y), ".", ms=2.5, color=color, label=label)
             case Line():
-                ax.plot(mark.x, mark.y, DASHES[dash], color=color, lw=mark.width, label=label)
+                style = {"color": color, "lw": mark.width, "label": label}
+                ax.plot(*_drawn(mark.x, mark.y), DASHES[dash], **style)
             case Band():
-                ax.fill_between(mark.x, mark.low, mark.high, color=color, alpha=0.2, lw=0)
+                ends = _drawn(mark.x, mark.low, mark.high)
+                ax.fill_between(*ends, color=color, alpha=0.2, lw=0)
             case Intervals():
                 value, low, high = (np.asarray(one) for one in (mark.value, mark.low, mark.high))
                 ends = np.array([value - low, high - value])
@@ -240,6 +243,12 @@ def _draw(ax: "Axes", panel: Panel, styles: Mapping[str, tuple[str, str]]) -> No
         ax.set_ylim(middle - panel.least / 2, middle + panel.least / 2)
     if not any(isinstance(mark, Cells) for mark in panel.marks):
         ax.grid(alpha=0.25)
+
+
+def _drawn(*series: ArrayLike) -> list[Array]:
+    """Returns numbers without those that matplotlib cannot draw, which are NaN."""
+    every = (np.asarray(one, dtype=np.float64) for one in series)
+    return [np.where(np.abs(one) < LARGEST, one, np.nan) for one in every]
 
 
 def _draw_cells(ax: "Axes", mark: Cells) -> None:

@@ -49,7 +49,7 @@ class RunFolder:
         self._made = [one for one in (path, *path.parents) if not one.exists()]
         try:
             path.mkdir(parents=True, exist_ok=True)
-            present = sorted(x.name for x in path.iterdir() if not x.name.startswith(SCRATCH))
+            present = sorted(one.name for one in path.iterdir() if _holds_something(one))
         except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
             reason = error.strerror if isinstance(error, OSError) else error
             raise InputError(
@@ -140,6 +140,12 @@ class RunFolder:
 
         with self.replacing(f"{name}.png") as scratch:
             imsave(scratch, pixels, format="png")
+
+
+def _holds_something(path: Path) -> bool:
+    """Returns whether a path is neither an empty folder nor what a killed command left half."""
+    empty = path.is_dir() and not path.is_symlink() and not any(path.iterdir())
+    return not empty and not path.name.startswith(SCRATCH)
 
 
 _OPEN: list[RunFolder] = []

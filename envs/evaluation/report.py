@@ -105,7 +105,7 @@ def _rows(scores: Sequence[Score], cells: Callable[[Score, str], list[str]]) -> 
 
 
 def story(evaluation: "Evaluation") -> Iterator[str]:
-    """Yields sentences: what suit and exoskeleton cost, and what each policy gives back."""
+    """Yields sentences: what suit and exoskeleton cost, and which policies carry the person."""
     cost = evaluation.suit_cost
     if cost is None:
         return
@@ -125,14 +125,10 @@ def story(evaluation: "Evaluation") -> Iterator[str]:
         remark = "" if relief is None else f": relief {interval_text(relief)}"
         yield f"The exoskeleton with its motors off adds {change:.1f} points{remark}."
     yield from _abduction(evaluation)
-    for name in evaluation.scores:
-        relief = evaluation.relief(name)
-        if name in ("unsuited", "suited", "none") or relief is None:
-            continue
-        share = evaluation.share_of_bound(name)
-        remark = "" if share is None else f", {share.value:.0%} of the bound"
-        carried = "; above 1 it carries the person" if relief.low > 1 else ""
-        yield f"{name}: relief {interval_text(relief)}{remark}{carried}."
+    reliefs = {name: evaluation.relief(name) for name in evaluation.scores if name != "unsuited"}
+    carry = [name for name, one in reliefs.items() if one is not None and one.low > 1]
+    if carry:
+        yield f"Relief above 1 carries the person too: {', '.join(carry)}."
     if evaluation.relief("suited") is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
 

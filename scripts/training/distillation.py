@@ -83,7 +83,9 @@ class _Lesson:
         if mine.get("normalize") or theirs.get("normalize"):
             raise InputError("student or teacher have normalize: leave --normalize out")
         if "belief" in mine and theirs.get("belief", mine["belief"]) != mine["belief"]:
-            raise InputError("student and teacher observe different beliefs: leave --belief out")
+            raise InputError(
+                "student and teacher observe different beliefs: leave --belief.suit out"
+            )
         sensors = [*dict.fromkeys((*mine["sensors"], *theirs["sensors"]))]
         frames = max(mine["history"], theirs["history"])
         both = {**mine, **theirs, "sensors": sensors, "history": frames}

@@ -62,6 +62,6 @@ def test_what_ships_is_small_and_relieves(name, monkeypatch):
     assert card.license == "Apache-2.0"
     assert len(card.training["best_of_seeds"]) >= 3
     assert card.summary.endswith(".")
-    short = {"episodes": 8, "max_episode_steps": 300, "threads": 1}
+    short = {"motions": 8, "max_episode_steps": 300, "threads": 1}
     found = evaluate("ActiveSuit/ArmTracking-v0", ["none", name], **short)
     assert found.relief(name).low > found.relief("none").high

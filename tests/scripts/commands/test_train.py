@@ -447,9 +447,16 @@ def test_what_is_believed_and_drawn(tmp_path, capsys):
     assert card["environment"]["belief"] == {"suit": "mock-suit"}
     assert card["environment"]["sensors"] == ["encoders", "belief"]
     assert card["environment"]["suit"] == "emu-like"
-    other = ["--belief", "emu-like", "--teacher", tmp_path / "run", "--out", tmp_path / "student"]
+    other = [
+        "--belief.suit",
+        "emu-like",
+        "--teacher",
+        tmp_path / "run",
+        "--out",
+        tmp_path / "student",
+    ]
     message = fails(capsys, "train", "--suit", "emu-like", *other)
-    assert "student and teacher observe different beliefs: leave --belief out" in message
+    assert "student and teacher observe different beliefs: leave --belief.suit out" in message
     train_student(tmp_path / "student", 1, *STUDENT[:-1], "0", "--belief.suit", "mock-suit")
     card = json.loads((tmp_path / "student" / "policy.json").read_text())
     assert card["environment"]["sensors"] == ["encoders", "belief"]

@@ -6,7 +6,6 @@ from itertools import count
 
 import pytest
 from activesuit import files
-from activesuit.scripts import folders
 from activesuit.scripts.main import main
 from activesuit.scripts.training import evaluations as evaluations_module
 from activesuit.scripts.training.evaluations import Evaluations
@@ -65,8 +64,7 @@ def stop_after(monkeypatch, out, moves, stop):
         if path.is_relative_to(out) and next(left) == 0:
             raise stop
 
-    for module in (files, folders):
-        monkeypatch.setattr(module, "move", stopping)
+    monkeypatch.setattr(files, "move", stopping)
 
 
 @pytest.mark.parametrize(
