@@ -108,9 +108,10 @@ def train(
     if seeds is None:
         request.one(out)
         return
-    if seed is not None or motions == 0:
-        other = "--seed is" if seed is not None else "--motions 0 is"
-        raise InputError(f"{other} given, and --seeds compares evaluations: leave one of them out")
+    if motions == 0:
+        raise InputError(
+            "--motions 0 is given, and --seeds compares evaluations: leave one of them out"
+        )
     train_all(request, seeds_of(seeds), out, workers)
 
 
