@@ -78,7 +78,7 @@ clean:
 	touch $@
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[train,onnx,cluster,report,video,muscles,dev]'
+	$(PIP) -e '.[train,onnx,cluster,video,muscles,dev]'
 	touch $@
 
 .venv/gpu: pyproject.toml constraints.txt | .venv/bin/python
