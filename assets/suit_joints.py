@@ -165,7 +165,7 @@ class SuitJoint(Strict):
             InputError: `fit` is no fit, or a sample is less safe than the model.
         """
         if not isinstance(fit, FittedModel):
-            raise InputError(f"fit is {shown(fit)}: give what identify returned")
+            raise InputError(f"fit is {shown(fit)}: give the fit of identify")
         curves, fitted = fit.curves, fit.curves.fitted()
         start = fit.initial_torque
         file = f" of {curves.source}" if curves.source else ""

@@ -17,7 +17,7 @@ from ..identification import (
     CurveObjective,
     Search,
     certified_fit,
-    identify,
+    fit_curves,
     load_curves,
 )
 from ..identification.optimizers import pso, sa_pso
@@ -45,7 +45,7 @@ def rows(repeats: int) -> list[Row]:
             "certified fit, elbow",
             lambda: certified_fit(curves, rng=0),
             "one SA-PSO trial",
-            lambda: identify(curves, method=Search("sa-pso", trials=1), workers=1),
+            lambda: fit_curves(curves, method=Search("sa-pso", trials=1), workers=1),
             repeats=repeats,
             unit="ms",
         ),

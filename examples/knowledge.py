@@ -42,7 +42,7 @@ from activesuit.envs.plant import Plant
 from activesuit.envs.policies.model_based import SHARE, ModelBased
 from activesuit.envs.rig import Record, RigConfig, run_rig
 from activesuit.hysteresis.branches import spring, two_branches
-from activesuit.identification import Curve, Curves, identify
+from activesuit.identification import Curve, Curves, fit_curves
 from matplotlib.figure import Figure
 
 NONE, TRUE = "no suit", "true model"
@@ -109,7 +109,7 @@ def of_class(suit: Suit, kind: str, seed: int) -> Suit:
         return suit
     joints = dict(suit.joints)
     for joint, record in measured(suit, seed).items():
-        joints[joint] = SuitJoint.from_fit(identify(curves(record), model=kind, seed=seed))
+        joints[joint] = SuitJoint.from_fit(fit_curves(curves(record), model=kind, seed=seed))
     return suit.model_copy(update={"name": f"{suit.name} as {kind}", "joints": joints})
 
 
@@ -137,7 +137,7 @@ def fitted(records: Mapping[str, Record], models: Mapping[str, str], seed: int) 
         found[name] = {joint: fit(one.angle, one.torque) for joint, one in records.items()}
     for name, model in models.items():
         found[name] = {
-            joint: belief_of(SuitJoint.from_fit(identify(curves(one), model=model, seed=seed)))
+            joint: belief_of(SuitJoint.from_fit(fit_curves(curves(one), model=model, seed=seed)))
             for joint, one in records.items()
         }
     return found

@@ -40,7 +40,7 @@ from activesuit.identification import (
     CurveObjective,
     Fit,
     Search,
-    identify,
+    fit_curves,
     load_curves,
     register_optimizer,
 )
@@ -215,7 +215,7 @@ def main(trials: int = 20, quick: bool = False) -> None:
     floor = float(CurveObjective(curves.fitted()).nrmse(row)[0])
     methods = {"certified": Certified(trials=trials)}
     methods |= {name: Search(name, trials=trials) for name in (*SWARMS, *registered())}
-    fits = {name: identify(curves, method=method) for name, method in methods.items()}
+    fits = {name: fit_curves(curves, method=method) for name, method in methods.items()}
     report(fits, floor)
     draw(fits, floor).savefig("optimizers.png", dpi=150)
 

@@ -9,6 +9,7 @@ from .cycles import averaged_cycles
 from .design import Design, nested_motion
 from .ensemble import Ensemble, Member
 from .fit import Fit
+from .fit_curves import fit_curves
 from .fits.asymmetric import fit_asymmetric
 from .fits.beginning import bare
 from .fits.bouc_wen import fit_bouc_wen
@@ -27,6 +28,7 @@ from .optimizers.rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
 from .optimizers.registry import OPTIMIZERS, SWARMS, register_optimizer
 from .optimizers.sa_pso import SAPSO, sa_pso
 from .remarks import Remark
+from .report import Identification
 from .selection import Selection, select
 from .synthetic import first_order_motions, measure, multi_order_motion
 from .trials import Trial
@@ -49,6 +51,7 @@ __all__ = [
     "Design",
     "Ensemble",
     "Fit",
+    "Identification",
     "Magnetic",
     "Member",
     "Motion",
@@ -65,6 +68,7 @@ __all__ = [
     "first_order_motions",
     "fit_asymmetric",
     "fit_bouc_wen",
+    "fit_curves",
     "fit_dahl",
     "fit_duhem",
     "fit_hinged_stops",

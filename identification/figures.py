@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..errors import InputError
 from ..plots import Band, Line, Mark, Panel, Plot
 from .curves import Curve
-from .identify import Fit
+from .fit import Fit
 from .residual.verdict import DESCRIBES
 from .selection import Selection
 from .thinning import drawn_note, drawn_samples

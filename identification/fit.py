@@ -36,7 +36,7 @@ SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """A model identified from curves, with its verdict: result of `identify`.
+    """A model identified from curves, with its verdict: result of `fit_curves`.
 
     Attributes:
         model: The best trial's model; if it is safe at the fitted angles only, its torque is

@@ -1,177 +1,137 @@
-"""`identify`: from measured curves to a model, by a named method and several seeded trials."""
+"""`identify`: from measured curves to a judged model, as `activesuit identify` does it."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from ..checks import check_seed
-from ..checks import workers as check_workers
-from ..errors import InputError, refuse_old_names, unknown_name
-from ._threads import run_threads
-from .corrections import Corrected, Corrections, averaged, corrected
-from .coverage import Coverage
+from ..checks import at_least
+from ..errors import InputError
+from .corrections import Corrections, averaged
+from .coverage import Coverage, any_motion, coverage, motion_coverage
 from .curves import Curve, Curves
-from .diagnostics import turns_back
-from .fit import Fit, judged_fit
-from .fits.registry import Fitted, fit_model
-from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
-from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
-from .recording import recording_faults
-from .residual.loop_work import refuse_driven
-from .thinning import thinned
-from .trials import Trial, fit_trial, magnetic_trial, optimizer_trial
+from .cycles import cycles_of
+from .fit_curves import NONE, fit_curves, refuse_unknown
+from .fits.registry import FITS
+from .left_out import questions
+from .methods import DEFAULT_MODEL, Method, method_of
+from .motion_files import Motion
+from .objective import InitialTorque
+from .report import Identification
+from .selection import select
 
-NONE = Corrections()
-OLD_NAMES = {
-    **{name: f"corrections=Corrections({name}=...)" for name in ("tare", "rate", "play")},
-    "softening": "corrections=Corrections(softening=...)",
-    **{name: f"method=Search(..., {name}=...)" for name in ("objective", "normalize")},
-    "trials": "method=Certified(trials=...)",
-    "budget": "method=Certified(budget=...)",
+AUTO, CERTIFIED = "auto", "certified"
+ANY = "any"
+REFUSED = {  # beside the method auto
+    "model": "method 'auto' chooses the model",
+    "objective": "method 'auto' always minimizes the NRMSE over the family",
+    "normalize": "method 'auto' always minimizes the NRMSE over the family",
+    "trials": "method 'auto' chooses once",
 }
 
 
 def identify(
     curves: Sequence[Curve],
     *,
-    model: str = DEFAULT_MODEL,
-    method: str | Method = "certified",
+    model: str | None = None,
+    method: str | Method | None = None,
+    objective: str | None = None,
+    normalize: str | None = None,
+    trials: int | None = None,
     corrections: Corrections = NONE,
     initial_torque: InitialTorque | None = None,
+    use: str | None = None,
+    intended: Sequence[Motion] = (),
+    samples: int = 0,
     seed: int = 0,
     workers: int = -1,
-    needed: Coverage | None = None,
-    on_trial: Callable[[Trial], None] | None = None,
+    on_step: Callable[[int, int], None] | None = None,
     **old: Any,
-) -> Fit:
-    """Identifies a hysteresis model from first-order transition curves.
+) -> Identification:
+    """Identifies a hysteresis model from measured curves, and judges it.
 
-    Trials are independent, run in parallel on all cores, and depend only on `seed` and their
-    index: the result is the same for any number of workers. Ctrl-C keeps the finished trials.
-    An option that the method would ignore is refused. Of more than 50,000 samples to fit, `thinned`
-    picks those that the fit uses; a remark then says so, and errors are those of all samples.
+    Cycles are averaged first where that is asked for. Then `fit_curves` fits a model by one method,
+    or `select` chooses the kind of model; Ctrl-C keeps what is finished.
 
     Args:
         curves: The measurements; those with role "predict" are kept out of the fit and tested.
-        model: "jiles-atherton", "asymmetric" (the same beside a polynomial), "bouc-wen",
-            "prandtl-ishlinskii", "preisach", "hinged-stops", "dahl" or "duhem"; `select` chooses
-            among them.
-        method: `Certified`, `Search` or `Magnetic` with their options; or the name of a method with
-            its usual ones: "certified" (ours: least squares, can only return certified models); or,
-            for "jiles-atherton" only, one of those of `Search`, such as "sa-pso", or "magnetic"
-            (magnetization over a field, in the form that fits best; not certified).
+        model: Name of the model, by default "jiles-atherton"; see `fit_curves`.
+        method: "auto" (`select`), or a method of `fit_curves`. By default "auto" for one record
+            that can be divided, where nothing else of the fit is given; otherwise "certified".
+        objective: Objective of a swarm or optimizer that is given by its name; see `Search`.
+        normalize: Torque that divides its errors; see `Search`.
+        trials: Number of independent runs of the method that is given by its name.
         corrections: What is taken off the curves, or fitted beside the model.
-        initial_torque: The torque with which each Jiles-Atherton curve begins: a number [N·m], by
-            default 0 as in a first-order curve; "measured", its own first sample; or "identified",
-            one for all. The fits of the other models always identify it.
+        initial_torque: The torque with which each curve begins; see `fit_curves`.
+        use: Name of what the model is for; "any" asks for any motion in the range of the curves.
+        intended: The motions of this use.
+        samples: Number of further models to draw that the curves allow too; 0 leaves the
+            uncertainty out.
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
-        needed: Coverage of the intended motions, as `motion_coverage` returns it; the verdict and
-            the remarks then state where the curves fall short of it.
-        on_trial: Function that gets each trial as it finishes, in any order.
+        on_step: Function that gets the number of finished trials or models, and that of all.
         **old: Names of version 0.2, which are refused with the new one.
-
-    Returns:
-        The best trial's model, its errors, and reasons to doubt it.
     """
     refuse_unknown(old)
-    method = method_of(method)
-    check_together(method, model, corrections, initial_torque)
-    check_seed(seed)
-    check_workers(workers)
-    starts = initial_torque is not None and model == DEFAULT_MODEL
-    start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}
-    ready = prepared(curves, model, corrections, start, seed)
-    if model != DEFAULT_MODEL or corrections.beside or isinstance(method, Magnetic):
-        refuse_weights(ready.measured)
-    if isinstance(method, Search):
-        goal = {"loss": method.objective, "normalize": method.normalize, **start}
-        run = partial(optimizer_trial, ready.measured, method.name, goal, {**method.options})
-    elif isinstance(method, Magnetic):
-        first = 0.0 if initial_torque is None else initial_torque
-        run = partial(magnetic_trial, ready.measured, first, method.budget)
+    at_least("samples", samples, 0)
+    family, notes = Curves(curves), []
+    if corrections.average_cycles:
+        counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
+        notes.append(f"mean of the cycles after the first: {counts}")
+        family = averaged(family, corrections)
+    used = replace(corrections, average_cycles=False)
+    given = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
+    if method is None:
+        method = CERTIFIED
+        if all(one is None for one in given.values()) and _is_divisible(family):
+            method = AUTO
+            notes.append("method auto, since this is one record of several cycles")
+    needed = _needed(family, use, intended)
+    done = 0
+
+    def step(_: object) -> None:
+        nonlocal done
+        done += 1
+        if on_step:
+            on_step(done, total)
+
+    common: dict[str, Any] = {"corrections": used, "initial_torque": initial_torque, "seed": seed}
+    common |= {"workers": workers, "needed": needed}
+    if method == AUTO:
+        for name, value in given.items():
+            if value is not None:
+                raise InputError(f"{name} is {value!r}: {REFUSED[name]}; leave one of them out")
+        total = len(FITS) * (2 if used.tare == "fit" else 1)  # again without a tare that is open
+        result = select(family, intended=intended, on_candidate=step, **common)
     else:
-        options = {**method.options, **start, **corrections.beside}
-        run = partial(fit_trial, ready.measured, model, options)
-    seeds = np.random.SeedSequence(seed).spawn(method.trials)
-    calls = [partial(run, index, child) for index, child in enumerate(seeds)]
-    finished, interrupted = run_threads(calls, workers, on_trial)
-    return judged_fit(
-        ready,
-        corrections,
-        model,
-        method,
-        finished,
-        needed,
-        fitted_start=fits_start(model, initial_torque),
-        interrupted=interrupted,
+        chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
+        total = chosen.trials
+        result = fit_curves(
+            family, model=model or DEFAULT_MODEL, method=chosen, on_trial=step, **common
+        )
+    return Identification(
+        result=result,
+        seed=seed,
+        uncertainty=result.uncertainty(samples=samples, seed=seed) if samples else None,
+        corrections=corrections,
+        use=use,
+        needed=needed,
+        notes=tuple(notes),
     )
 
 
-def fits_start(model: str, initial_torque: InitialTorque | None) -> bool:
-    """Returns whether the fit of a model chooses the torque with which the curves begin."""
-    return model != DEFAULT_MODEL or initial_torque == "identified"
+def _is_divisible(family: Curves) -> bool:
+    """Returns whether curves are one record, of which a part can be left out."""
+    if len(family.fitted()) != 1:
+        return False
+    try:
+        questions(family.fitted())
+    except InputError:  # too few reversals
+        return False
+    return True
 
 
-def prepared(
-    curves: Sequence[Curve],
-    model: str,
-    corrections: Corrections,
-    start: dict[str, Any],
-    seed: int,
-) -> Corrected:
-    """Returns corrected curves, all and those to fit.
-
-    Args:
-        curves: The measurements.
-        model: Name of the model whose certified fit finds tare and softening.
-        corrections: What is taken off.
-        start: Torque at the beginning, as an option of that fit.
-        seed: Seed of its random numbers.
-    """
-    family = averaged(Curves(curves), corrections)
-    measured = thinned(_measured(family))
-    refuse_driven(measured)
-
-    def fitted(some: Curves) -> Fitted:
-        rng = np.random.default_rng(seed)
-        return fit_model(model, some, rng, **start, **corrections.beside)
-
-    faults = tuple(recording_faults(Curves(curves).fitted()))
-    return corrected(family, measured, corrections, fitted)._replace(faults=faults)
-
-
-def refuse_unknown(given: dict[str, Any]) -> None:
-    """Refuses names that are no options; those of version 0.2 with the new name."""
-    refuse_old_names(given, OLD_NAMES)
-    for name in given:
-        known = ("model", "method", "corrections", "initial_torque", "seed", "workers", "needed")
-        raise unknown_name("option", name, known)
-
-
-def _measured(curves: Curves) -> Curves:
-    """Returns the curves to fit; reports unusable ones before any thread starts."""
-    measured = curves.fitted()
-    samples = CurveObjective(measured).torque.size
-    if samples < FEWEST_SAMPLES:
-        raise InputError(
-            f"the fitted curves have {samples} samples in all: give at least {FEWEST_SAMPLES}"
-        )
-    if not any(map(turns_back, measured)):
-        raise InputError(
-            "no curve turns back, and one direction of motion alone does not show the loss: "
-            "measure the return of at least one curve too"
-        )
-    return measured
-
-
-def refuse_weights(curves: Sequence[Curve]) -> None:
-    """Refuses curves of unlike weights, which most fits would ignore."""
-    weights = [curve.weight for curve in curves]
-    if min(weights) < max(weights):
-        raise InputError(
-            f"the curves have weights from {min(weights):g} to {max(weights):g}: only fits of the "
-            "model 'jiles-atherton' without rate and play weigh curves; remove the weights"
-        )
+def _needed(family: Curves, use: str | None, intended: Sequence[Motion]) -> Coverage | None:
+    """Returns what the intended use needs of curves; None without a use."""
+    if use == ANY:
+        return any_motion(coverage(family.fitted() or family))
+    return motion_coverage(intended) if intended else None

@@ -18,7 +18,7 @@ from .candidates import Candidate
 from .corrections import Corrections
 from .coverage import Coverage
 from .fit import Fit
-from .identify import NONE
+from .fit_curves import NONE
 from .remarks import Remark
 from .residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
 from .selection import Selection
@@ -263,7 +263,7 @@ def _numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
 
 @dataclass(frozen=True, kw_only=True)
 class Identification:
-    """What was identified from curves, for people: tables, sentences, columns and figures.
+    """Result of `identify`: a judged model, with its tables, sentences, columns and figures.
 
     Attributes:
         result: The fit, or the selection of a kind of model with its fit.
@@ -272,6 +272,7 @@ class Identification:
         corrections: Corrections of the curves that were asked for.
         use: What the model is for; None if that was not said.
         needed: What this use needs of curves; None likewise.
+        notes: What was done to the curves, and why the method is this one, as sentences.
     """
 
     result: Fit | Selection
@@ -280,11 +281,30 @@ class Identification:
     corrections: Corrections = NONE
     use: str | None = None
     needed: Coverage | None = None
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return "\n".join(self.sentences())
+
+    def __getattr__(self, name: str) -> Any:
+        if name in Fit.__dataclass_fields__ or hasattr(Fit, name):
+            raise AttributeError(f"an identification has no {name}: write identify(...).fit.{name}")
+        raise AttributeError(f"an identification has no attribute {name!r}")
 
     @property
     def fit(self) -> Fit:
-        """The fit."""
+        """The fit, with its errors."""
         return self.result.fit if isinstance(self.result, Selection) else self.result
+
+    @property
+    def model(self) -> HysteresisModel:
+        """The model."""
+        return self.fit.model
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model describes the curves, as a phrase."""
+        return self.fit.verdict
 
     @property
     def description(self) -> str:
@@ -358,7 +378,8 @@ class Identification:
     def sentences(self) -> list[str]:
         """Returns the verdict, and what else there is to say, the most important first."""
         fit, found = self.fit, self.uncertainty
-        said = [f"tare: {one.sentence} ({TARE})" for one in fit.remarks if one.code == "open"]
+        said = [*self.notes]
+        said += [f"tare: {one.sentence} ({TARE})" for one in fit.remarks if one.code == "open"]
         said += [f"verdict: the model {fit.verdict}{self._not_contained()}"]
         if isinstance(self.result, Selection):
             said.append(self.result.why)

@@ -17,8 +17,8 @@ from .coverage import Coverage, loops_suffice, motion_coverage
 from .curves import Curve, Curves
 from .ensemble import LEVEL, Ensemble, drawn, ensemble
 from .fit import Fit, judged_fit
+from .fit_curves import NONE, fits_start, prepared, refuse_unknown, refuse_weights
 from .fits.registry import FITS, fit_model
-from .identify import NONE, fits_start, prepared, refuse_unknown, refuse_weights
 from .methods import DEFAULT_MODEL, check_beginning
 from .motion_files import Motion
 from .objective import InitialTorque
@@ -111,11 +111,11 @@ def select(
         corrections: What is taken off the curves, or fitted beside the models; tare and softening
             are those of Jiles-Atherton. A fitted tare that a model as good leaves open is not taken
             off: the models are fitted again without one, and the first remark of the fit says so.
-        initial_torque: The torque with which the curves begin, as in `identify`: by default 0 for
+        initial_torque: The torque with which the curves begin, as in `fit_curves`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
         workers: The number of threads, which share the models; -1 uses all cores.
-        needed: Coverage of the intended motions, see `identify`; by default that of `intended`.
+        needed: Coverage of the intended motions, see `fit_curves`; by default that of `intended`.
         intended: Intended motions, on which the kinds of model are compared: the verdict extends to
             loops that the curves do not have if a tested band is narrow there.
         on_candidate: Function that gets each model as soon as it was tried.
@@ -123,7 +123,7 @@ def select(
         **old: Names of version 0.2, which are refused with the new one.
 
     Raises:
-        InputError: There is too little to leave out, no model can be fitted, or see `identify`.
+        InputError: There is too little to leave out, no model can be fitted, or see `fit_curves`.
     """
     refuse_unknown(old)
     check_beginning(initial_torque)

@@ -1,4 +1,4 @@
-"""Independent trials of `identify`: one fit, or one run of an optimizer."""
+"""Independent trials of `fit_curves`: one fit, or one run of an optimizer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -19,7 +19,7 @@ import numpy as np
 from ..arrays import Array
 from ..assets import curves_path
 from ..hysteresis import JilesAtherton
-from ..identification import Certified, Curve, Fit, Search, bare, identify, load_curves
+from ..identification import Certified, Curve, Fit, Search, bare, fit_curves, load_curves
 from ..identification.curves import noise_floor
 from ..published import LI_TABLE_2
 from .li_2022_figures import drawn
@@ -77,7 +77,7 @@ def runs_of(joint: str, method: str, *, trials: int, seed: int, iterations: int 
         sizes = {"trials": trials, "max_iterations": iterations}
         name = method.removesuffix(", ln 5")
         chosen = Search(name, objective="paper", **sizes, **METHODS[method])
-    fit = identify(curves, method=chosen, seed=seed + zlib.crc32(f"{joint} {method}".encode()))
+    fit = fit_curves(curves, method=chosen, seed=seed + zlib.crc32(f"{joint} {method}".encode()))
     models = [replace(fit, model=trial.model) for trial in fit.trials]
     histories = [np.array(trial.history or [1.0]) for trial in fit.trials]
     # The scattered swarm is iteration 1.

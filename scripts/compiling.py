@@ -14,7 +14,7 @@ from ..envs.observation import SUITES
 from ..envs.simulation.compiling import ALONE
 from ..hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
 from ..hysteresis.engine.native import compile_plugin
-from ..identification import Certified, Curve, identify
+from ..identification import Certified, Curve, fit_curves
 from ..identification.fits.registry import FITS, fit_model
 
 ENV = "ActiveSuit/ArmTracking-v0"
@@ -80,7 +80,7 @@ def _ask(model: HysteresisModel) -> None:
 
 
 def _fit() -> None:
-    identify([_record()], method=Certified(budget=BUDGET), workers=1)
+    fit_curves([_record()], method=Certified(budget=BUDGET), workers=1)
 
 
 def _record() -> Curve:

@@ -34,10 +34,10 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 
 
 @contextmanager
-def progress(description: str, total: int) -> Iterator["Bar"]:
+def progress(description: str, total: int = 1) -> Iterator["Bar"]:
     """Shows on stderr how far the block is: a bar on a terminal, else at most ten lines."""
     if not messages.is_terminal:
-        yield Bar(_Lines(visible(description), total))
+        yield Bar(_Lines(visible(description)), total)
         return
     columns = (
         TextColumn("{task.description:<36}", markup=False),
@@ -47,27 +47,28 @@ def progress(description: str, total: int) -> Iterator["Bar"]:
     )
     with Progress(*columns, console=messages) as bars:
         task = bars.add_task(visible(description), total=total)
-        yield Bar(lambda done: bars.update(task, completed=done))
+        yield Bar(lambda done, of: bars.update(task, completed=done, total=of), total)
 
 
 class Bar:
     """What a block tells about how far it is.
 
     Args:
-        show: Function that shows the number of steps that are done.
+        show: Function that shows the number of steps that are done, and that of all.
+        total: Number of all steps.
     """
 
-    def __init__(self, show: Callable[[float], None]) -> None:
-        self._show, self._done = show, 0.0
+    def __init__(self, show: Callable[[float, float], None], total: float) -> None:
+        self._show, self._done, self._total = show, 0.0, total
 
     def advance(self, steps: float = 1) -> None:
         """Moves the bar forward by `steps`."""
         self.move_to(self._done + steps)
 
-    def move_to(self, steps: float) -> None:
-        """Moves the bar to `steps` of its total."""
-        self._done = steps
-        self._show(steps)
+    def move_to(self, steps: float, total: float | None = None) -> None:
+        """Moves the bar to `steps` of its total, which may become known now."""
+        self._done, self._total = steps, self._total if total is None else total
+        self._show(self._done, self._total)
 
 
 class _Lines:
@@ -76,15 +77,15 @@ class _Lines:
     No time that is left is said: the steps of an evaluation take from seconds to minutes.
     """
 
-    def __init__(self, description: str, total: int) -> None:
-        self._description, self._total, self._tenth = description, total, 0
+    def __init__(self, description: str) -> None:
+        self._description, self._tenth = description, 0
         self._begin = self._said = time.monotonic()
 
-    def __call__(self, done: float) -> None:
-        now, tenth = time.monotonic(), int(10 * done / max(self._total, 1))
+    def __call__(self, done: float, total: float) -> None:
+        now, tenth = time.monotonic(), int(10 * done / max(total, 1))
         if tenth > self._tenth and now - self._said >= QUIET:
             self._tenth, self._said = tenth, now
-            percent, taken = 100 * done / self._total, now - self._begin
+            percent, taken = 100 * done / total, now - self._begin
             said = f"{self._description}: {percent:.0f} % after {taken:.0f} s"
             print(said, file=sys.stderr, flush=True)
 

@@ -18,7 +18,7 @@ from activesuit.hysteresis import (
 from activesuit.hysteresis.engine import attach, register, replace_model
 from activesuit.identification import (
     first_order_motions,
-    identify,
+    fit_curves,
     measure,
     register_fit,
     save_curves,
@@ -55,7 +55,7 @@ def test_dictionaries_know_it():
 
 
 def test_it_is_fitted(curves):
-    fit = identify(curves, model="maxwell-slip")
+    fit = fit_curves(curves, model="maxwell-slip")
     assert fit.model.spring == pytest.approx(TRUTH.spring, rel=0.05)
     assert fit.model.limit == pytest.approx(TRUTH.limit, rel=0.05)
     assert fit.nrmse < 0.012

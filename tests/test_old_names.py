@@ -58,7 +58,10 @@ def test_the_old_class():
 
 @pytest.mark.parametrize("old", ["why", "candidates", "ensemble", "band", "diagnostics"])
 def test_old_attributes_of_a_fit(old):
-    fit = identify(load_curves(curves_path("elbow")))
+    found = identify(load_curves(curves_path("elbow")))
+    with pytest.raises(AttributeError, match=r"write identify\(\.\.\.\)\.fit\.nrmse"):
+        _ = found.nrmse
+    fit = found.fit
     new = "remarks" if old == "diagnostics" else f"select(curves).{old}"
     with pytest.raises(AttributeError) as error:
         getattr(fit, old)

@@ -17,7 +17,7 @@ from ..identification import (
     Curves,
     bare,
     first_order_motions,
-    identify,
+    fit_curves,
     load_curves,
     measure,
     multi_order_motion,
@@ -204,7 +204,7 @@ def main(folder: Path = FOLDER) -> None:
             source=measured.source,
             sha256=measured.sha256,
         )
-        fit = identify(whole, method="certified", seed=SEED)
+        fit = fit_curves(whole, method="certified", seed=SEED)
         fits[name] = nearest_certified(bare(fit.model)).model
         identified[joint] = SuitJoint.from_fit(fit, note=LABEL)
     published_suit = Suit(

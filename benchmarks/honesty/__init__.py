@@ -15,7 +15,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...files import write_text
-from ...identification import Curve, Fit, identify, multi_order_motion
+from ...identification import Curve, Fit, fit_curves, multi_order_motion
 from ...identification.fits.search import NOISE_MARGIN
 from ...identification.objective import InitialTorque
 from ...identification.residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN, UNLIKELY
@@ -55,7 +55,7 @@ def interval_case(noise: str, seed: int) -> dict[str, Any]:
     truth = jiles_atherton(rng)
     size, share = UNEVEN.get(noise, (NOISE, 0.0))
     curves = measured(truth, NOISES[noise], rng, size=size, share=share)
-    fit = identify(curves, seed=seed, workers=1)
+    fit = fit_curves(curves, seed=seed, workers=1)
     sure = fit.uncertainty()
     probe = multi_order_motion(truth.low, truth.high, turns=8, angle_step=STEP, rng=rng)
     right = truth.torque(probe)
@@ -63,7 +63,7 @@ def interval_case(noise: str, seed: int) -> dict[str, Any]:
     moved = np.abs(probe - probe[0]) > 5 * STEP
     inside = (low <= right) & (right <= high)
     # Parameters of the truth as the fit tells them follow from the exact fit of exact curves.
-    exact = identify(measured(truth, (0.0, 0.0), rng, size=1e-6), seed=seed, workers=1)
+    exact = fit_curves(measured(truth, (0.0, 0.0), rng, size=1e-6), seed=seed, workers=1)
     values = exact.uncertainty().values
     covered = (sure.intervals[:, 0] <= values) & (values <= sure.intervals[:, 1])
     return {
@@ -95,7 +95,7 @@ def _judged(kind: str, model: str, shape: str, noise: str, size: str, seed: int)
     record = shape == RECORD
     curves = measured(truth, NOISES[noise], rng, size=deviation, record=record)
     begin: InitialTorque | None = "identified" if record and model == "jiles-atherton" else None
-    fit = identify(curves, model=model, initial_torque=begin, seed=seed, workers=1)
+    fit = fit_curves(curves, model=model, initial_torque=begin, seed=seed, workers=1)
     off = np.concatenate([fit.predict(one) - truth.torque(one.angle) for one in curves])
     return {
         "off": float(np.sqrt(np.mean(off**2))) / deviation,
@@ -120,7 +120,7 @@ def start_case(kind: str, seed: int) -> dict[str, Any]:
     rng = np.random.default_rng([seed, 4])
     truth = jiles_atherton(rng, kind)
     curves = measured(truth, (0.0, 0.0), rng)
-    fit = identify(curves, seed=seed, workers=1)
+    fit = fit_curves(curves, seed=seed, workers=1)
     left, noise = (
         np.concatenate([torque(one) - one.torque for one in curves])
         for torque in (fit.predict, lambda one: truth.torque(one.angle))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...errors import InputError
-from ...identification import Curve, identify, load_curves, save_curves
+from ...identification import Curve, fit_curves, load_curves, save_curves
 from ...identification.lost_motion import played
 from .truths import NOISE, STEP, Truth, first_order, jiles_atherton
 
@@ -260,7 +260,7 @@ def named(fault: str, seed: int) -> str:
                 lines = path.read_text().splitlines()
                 path.write_text("\n".join(kind.file(lines)) + "\n")
             curves = load_curves(path)
-        fit = identify(curves, seed=seed, workers=1)
+        fit = fit_curves(curves, seed=seed, workers=1)
     except InputError as error:
         return str(error)
     return " ".join(dict.fromkeys(one.code for one in fit.remarks if one.code in CODES))

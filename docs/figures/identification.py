@@ -5,14 +5,14 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 from activesuit.assets import curves_path
-from activesuit.identification import identify, load_curves
+from activesuit.identification import fit_curves, load_curves
 
 OFFSET = 0.3  # N·m, error of a torque sensor that was not zeroed
 MEASURED, MODEL = "#8a94a6", "#c2185b"
 
 curves = load_curves(curves_path("elbow"))
 shifted = [replace(curve, torque=curve.torque + OFFSET) for curve in curves]
-right, wrong = identify(curves), identify(shifted)
+right, wrong = fit_curves(curves), fit_curves(shifted)
 PANELS = {
     "fitted curves": (right, right.curves.fitted()),
     "held-out curves": (right, right.curves.held_out()),

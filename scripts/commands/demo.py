@@ -16,7 +16,7 @@ from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...envs.rendering import RenderingUnavailableError
 from ...hysteresis.parameter_table import parameter_table
-from ...identification import Certified, Curves, Fit, Search, Trial, identify, load_curves
+from ...identification import Certified, Curves, Fit, Search, Trial, fit_curves, load_curves
 from ...identification.figures import COLUMNS, compared, convergence_plot, loop_rows, loops_plot
 from ...identification.report import fit_summary, quality_table, trial_columns
 from ...text import say
@@ -98,7 +98,7 @@ def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> 
 
         for name, family in curves.items():
             for label, method in methods.items():
-                fit = identify(family, method=method, seed=seed, on_trial=report)
+                fit = fit_curves(family, method=method, seed=seed, on_trial=report)
                 fits[name][label] = fit
                 if fit.interrupted:
                     raise KeyboardInterrupt

@@ -1,36 +1,29 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
-from dataclasses import asdict, replace
-from functools import partial
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated, Any, get_args
 
 import tyro
 
 from ...assets import Suit, load_suit
-from ...checks import at_least
 from ...errors import InputError, shown
-from ...identification import Corrections, Curves, load_curves, select
+from ...identification import Corrections, Identification, load_curves
 from ...identification import identify as identify_curves
-from ...identification.corrections import averaged
-from ...identification.cycles import cycles_of
+from ...identification.fit_curves import NONE
 from ...identification.fits.registry import FITS
-from ...identification.identify import NONE
-from ...identification.left_out import questions
-from ...identification.methods import DEFAULT_MODEL, Magnetic, method_names, method_of
+from ...identification.identify import AUTO
+from ...identification.methods import Magnetic, method_names
 from ...identification.objective import InitialTorque, Loss, Normalize
-from ...identification.report import Identification
 from ...identification.residual.verdict import NOT
 from ...text import say
-from ..curve_joints import joint_of
 from ..folders import RunFolder
-from ..intended import intended_motions, needed_coverage
+from ..measured_joint import intended_motions, joint_of
 from ..options import Force, Json, Seed, Use, choice, joints, named_values, optional_number, suits
 from ..output import progress
 from ..writer import Report, conclude
 
 NOT_DESCRIBED = 3  # exit code; also where the tare that was to be fitted is not determined
-AUTO, CERTIFIED = "auto", "certified"  # methods; of auto `select` chooses the model
 SAMPLES = 20  # further models in a suit file
 _METHOD = (
     "Method of the fit: certified finds a model that is safe to simulate; auto finds the simplest "
@@ -121,7 +114,6 @@ def identify(
     )
     for sentence in [] if json else family.reading:
         say(f"read {sentence}")
-    family, corrections = _averaged(family, corrections, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     if out and method == Magnetic.name:
@@ -129,53 +121,36 @@ def identify(
             f"out is {shown(str(out))}: a suit file has joints, which a model of magnetics drives; "
             "leave it out, and take the result from --json"
         )
-    samples = (SAMPLES if out else 0) if samples is None else samples
-    at_least("samples", samples, 0)
-    joint_name = joint_of(curves[0], joint) if out or joint is not None else None
-    motions = intended_motions(curves[0], use, joint)
-    needed = needed_coverage(family, use, motions)
+    joint = joint_of(curves[0], joint) if out or joint is not None else None
+    intended = intended_motions(curves[0], use, joint)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, force=force) if out else None
-    beside = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
-    method = method or _usual_method(family, **beside, quiet=json)
-    if method == AUTO:
-        _refuse_beside_auto(**beside)
-        run = partial(
-            select, family, intended=motions, on_candidate=lambda candidate: bar.advance()
-        )
-        total = len(FITS) * (2 if corrections.tare == "fit" else 1)  # again without it, if open
-    else:
-        chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
-        run = partial(
-            *(identify_curves, family),
-            model=model or DEFAULT_MODEL,
-            method=chosen,
-            on_trial=lambda trial: bar.advance(),
-        )
-        total = chosen.trials
-    with progress(f"{method} on {family.source}", total) as bar:
-        result = run(
+    given: dict[str, Any] = {
+        "model": model,
+        "method": method,
+        "objective": objective,
+        "normalize": normalize,
+    }
+    given |= {"trials": trials, "initial_torque": initial_torque, "seed": seed}
+    given["samples"] = (SAMPLES if out else 0) if samples is None else samples
+    with progress(f"identify {family.source}") as bar:
+        found = identify_curves(
+            family,
+            **given,
             corrections=corrections,
-            initial_torque=initial_torque,
-            seed=seed,
+            use=use,
+            intended=intended,
             workers=workers,
-            needed=needed,
+            on_step=bar.move_to,
         )
-    uncertainty = result.uncertainty(samples=samples, seed=seed) if samples else None
-    found = Identification(
-        result=result,
-        seed=seed,
-        uncertainty=uncertainty,
-        corrections=corrections,
-        use=use,
-        needed=needed,
-    )
-    fit = found.fit
+    label = joint or Path(family.source).stem
     answer = found.sentences()
-    if folder and joint_name and base is None:
-        name = joint_name.replace("_", " ")
-        answer.append(f"suit: it resists {name} only; --base mock-suit adds the other joints")
-    label = joint_name or Path(fit.curves.source).stem
+    if folder and joint:
+        suit = found_suit(found, joint, curves[0].stem, others)
+        suit.save(folder / "suit.json")
+        if others is None:
+            name = joint.replace("_", " ")
+            answer.append(f"suit: it resists {name} only; --base mock-suit adds the other joints")
     report = Report(
         heading="Identified model",
         about=f"{family.source}, {label.replace('_', ' ')}",
@@ -185,60 +160,26 @@ def identify(
         columns=found.columns(label),
         plots=found.plots(label),
         settings={
-            **{"curves": curves, "method": method, **beside, "initial_torque": initial_torque},
-            **{"corrections": asdict(corrections), "samples": samples, "seed": seed},
-            **{"for": use, "joint": joint_name, "base": base, "data_sha256": family.sha256},
+            **{"curves": curves, **given, "method": found.fit.method},
+            **{"corrections": asdict(corrections), "for": use, "joint": joint, "base": base},
+            "data_sha256": family.sha256,
         },
     )
-    if folder and joint_name:
-        suit = Suit.from_fits(
-            {joint_name: fit},
-            name=curves[0].stem,
-            description=found.description,
-            base=others,
-            samples={joint_name: uncertainty.samples if uncertainty else ()},
-            left_open={joint_name: found.left_open},
-        )
-        suit.save(folder / "suit.json")
     conclude(report, folder, json)
-    if fit.interrupted:
+    if found.fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {found.finished} is kept")
-    if fit.verdict == NOT or any(one.code == "open" for one in fit.remarks):
+    if found.verdict == NOT or any(one.code == "open" for one in found.fit.remarks):
         raise SystemExit(NOT_DESCRIBED)
 
 
-def _averaged(family: Curves, corrections: Corrections, quiet: bool) -> tuple[Curves, Corrections]:
-    """Returns curves with averaged cycles where that is asked for, and the other corrections."""
-    if not corrections.average_cycles:
-        return family, corrections
-    counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-    family = averaged(family, corrections)
-    if not quiet:
-        say(f"mean of the cycles after the first: {counts}")
-    return family, replace(corrections, average_cycles=False)
-
-
-def _usual_method(family: Curves, quiet: bool, **beside: str | int | None) -> str:
-    """Returns the method where none is given: auto for a record that it can divide."""
-    if len(family.fitted()) != 1 or any(value is not None for value in beside.values()):
-        return CERTIFIED
-    try:
-        questions(family.fitted())
-    except InputError:  # too few reversals
-        return CERTIFIED
-    if not quiet:
-        say("method auto, since this is one record of several cycles")
-    return AUTO
-
-
-def _refuse_beside_auto(**given: str | int | None) -> None:
-    """Refuses options that mean nothing where the model is selected."""
-    why = {
-        "model": "method 'auto' chooses the model",
-        "objective": "method 'auto' always minimizes the NRMSE over the family",
-        "normalize": "method 'auto' always minimizes the NRMSE over the family",
-        "trials": "method 'auto' chooses once",
-    }
-    for name, value in given.items():
-        if value is not None:
-            raise InputError(f"{name} is {value!r}: {why[name]}; leave one of them out")
+def found_suit(found: Identification, joint: str, name: str, others: Suit | None) -> Suit:
+    """Returns the suit of an identified joint, beside the other joints of another suit."""
+    samples = found.uncertainty.samples if found.uncertainty else ()
+    return Suit.from_fits(
+        {joint: found.fit},
+        name=name,
+        description=found.description,
+        base=others,
+        samples={joint: samples},
+        left_open={joint: found.left_open},
+    )

@@ -38,8 +38,8 @@ from ...envs.model import ASSISTED
 from ...envs.policies import policy_spec
 from ...errors import InputError
 from ...identification import load_curves
-from ..curve_joints import joint_of
 from ..folders import RunFolder
+from ..measured_joint import joint_of
 from ..options import Force, Json, Motions, SuitName, choice, joints, policies, suits
 from ..output import progress
 from ..scene import Scene, refuse_observed, scene

@@ -19,7 +19,7 @@ from activesuit.assets import (
 )
 from activesuit.hysteresis import Backlash, JilesAtherton, Viscoelastic
 from activesuit.hysteresis.references import EXAMPLES
-from activesuit.identification import Curve, identify, load_curves
+from activesuit.identification import Curve, fit_curves, load_curves
 from helpers import TABLE_2, assert_refused, sweep, without_volume_shares
 
 SAFE, UNSAFE = hysteresis.TABLE_2["elbow-sa-pso"], hysteresis.TABLE_2["shoulder-sa-pso"]
@@ -288,7 +288,7 @@ def test_bad_files(tmp_path):
 
 @pytest.fixture(scope="module")
 def fit():
-    return identify(load_curves(curves_path("elbow")))
+    return fit_curves(load_curves(curves_path("elbow")))
 
 
 def test_suits_from_fits(fit, tmp_path):
@@ -320,7 +320,7 @@ def test_suits_from_fits(fit, tmp_path):
 
 def test_a_suit_begins_where_curves_without_a_file_do(small_family):
     loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
-    entry = SuitJoint.from_fit(identify(loaded, initial_torque="measured"), note="Mine.")
+    entry = SuitJoint.from_fit(fit_curves(loaded, initial_torque="measured"), note="Mine.")
     assert entry.source == "certified fit, curves 0.87, 1.22, 1.57. Mine."
     assert entry.data_sha256 is None
     assert entry.start_torque == np.mean([c.torque[0] for c in loaded if c.role == "fit"])
@@ -333,7 +333,7 @@ def test_bad_fits(fit):
         (fit, {}, "fits is .*: give fits by joint"),
         ({"knee": fit}, {}, "unknown joint 'knee': use one of elbow_flexion"),
         ({"elbow_flexio": fit}, {}, "did you mean 'elbow_flexion'"),
-        ({"elbow_flexion": SAFE}, {}, "fit is JilesAtherton.*: give what identify returned"),
+        ({"elbow_flexion": SAFE}, {}, "fit is JilesAtherton.*: give the fit of identify"),
         (fits, {"name": ""}, "name: String should have at least 1"),
         (fits, {"samples": {"wrist_flexion": []}}, "has 'wrist_flexion', which has no fit: leave"),
         (fits, {"samples": {"elbow_flexion": [UNSAFE]}}, "margin -0.2.* remove that sample"),

@@ -25,7 +25,7 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options
 from activesuit.envs.tasks import TASKS
 from activesuit.hysteresis import TABLE_2, model_from_dict
-from activesuit.identification import Curve, Search, identify
+from activesuit.identification import Curve, Search, fit_curves
 from activesuit.identification.fits.registry import FITS
 
 FILE = Path(__file__).with_name("golden.json")
@@ -93,7 +93,7 @@ def magnetization() -> Curve:
 
 
 def fitted(curve: Curve, **options: Any) -> Numbers:
-    fit = identify([curve], workers=1, seed=0, **options)
+    fit = fit_curves([curve], workers=1, seed=0, **options)
     return {"torque": fit.model.response(walk(0.5, 1.5))}
 
 

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from activesuit.assets import SuitJoint
 from activesuit.hysteresis import Viscoelastic
-from activesuit.identification import Corrections, Curve, Curves, averaged_cycles, identify, select
+from activesuit.identification import (
+    Corrections,
+    Curve,
+    Curves,
+    averaged_cycles,
+    fit_curves,
+    select,
+)
 from activesuit.identification.cycles import cycles_of
 from activesuit.identification.figures import compared, loops_plot
 from activesuit.identification.softening import Count
@@ -25,16 +32,16 @@ def offset_family(model, offset=OFFSET, noise=NOISE):
     "tare", ["fit", *(pytest.param(one, marks=pytest.mark.slow) for one in (OFFSET, "zero"))]
 )
 def test_the_offset_is_taken_off(elbow, tare):
-    fit = identify(offset_family(elbow), corrections=Corrections(tare=tare))
+    fit = fit_curves(offset_family(elbow), corrections=Corrections(tare=tare))
     assert fit.tare == pytest.approx(OFFSET, abs=0.15 if tare == "zero" else 0.03)
     assert fit.judgement.causes == () or tare == "zero"
     assert fit.nrmse * 7 < 1.6 * NOISE
     np.testing.assert_allclose(fit.curves[0].torque, offset_family(elbow)[0].torque - fit.tare)
-    assert fit.nrmse < identify(offset_family(elbow)).nrmse / 2
+    assert fit.nrmse < fit_curves(offset_family(elbow)).nrmse / 2
 
 
 def test_a_fitted_offset_of_nothing_is_nothing(elbow):
-    assert abs(identify(offset_family(elbow, 0.0), corrections=TARE).tare) < 0.03
+    assert abs(fit_curves(offset_family(elbow, 0.0), corrections=TARE).tare) < 0.03
 
 
 @pytest.mark.slow
@@ -64,7 +71,7 @@ def test_auto_takes_no_offset_that_a_model_as_good_leaves_open(elbow):
 def test_the_deviation_of_the_offset_is_that_of_its_estimates(elbow):
     found = []
     for offset in np.linspace(-1, 1, 8):
-        fit = identify(offset_family(elbow, offset), corrections=TARE)
+        fit = fit_curves(offset_family(elbow, offset), corrections=TARE)
         term = fit.uncertainty().offset
         assert abs(term.value) < 0.1 * term.deviation + 1e-3 * 7  # the fit has taken it off
         found.append(term.deviation)
@@ -73,18 +80,18 @@ def test_the_deviation_of_the_offset_is_that_of_its_estimates(elbow):
 
 
 def test_a_spring_with_a_rest_angle_leaves_the_offset_open(elbow):
-    found = identify(offset_family(elbow), model="bouc-wen").uncertainty()
+    found = fit_curves(offset_family(elbow), model="bouc-wen").uncertainty()
     assert found.offset is None
     assert found.left_open[0] == "an offset of the torque sensor, if it was not zeroed"
     assert found.offset_open == ("bouc-wen",)
-    assert identify(offset_family(elbow, 0.0)).uncertainty().offset_open == ()
+    assert fit_curves(offset_family(elbow, 0.0)).uncertainty().offset_open == ()
     assert "the curves have no times" in found.left_open[1]
 
 
 def test_the_figure_shows_the_curves_that_were_fitted(elbow):
     angle = sweep(0.52, 1.57, 0.52, samples=60)
     curves = [Curve(angle, elbow.response(angle) + 1.3, "A")]
-    fit = identify(curves, corrections=Corrections(tare=1.3))
+    fit = fit_curves(curves, corrections=Corrections(tare=1.3))
     plot = loops_plot("elbow", {"certified": compared(fit.curves, fit)}, fit.tare)
     loops, residuals = plot.panels  # nothing was kept out of the fit, so there is no panel for it
     measured, modeled = loops.marks
@@ -112,9 +119,9 @@ def record(model, first=1.2, cycles=2.0, noise=0.01, seed=0):
 
 @pytest.mark.parametrize("first", [1.2, 0.9])
 def test_the_change_is_found_and_the_model_describes_the_rest(elbow, first):
-    plain = identify([record(elbow, first)])
+    plain = fit_curves([record(elbow, first)])
     assert ("softening", "fit") in [remark.option for remark in plain.remarks]
-    fit = identify([record(elbow, first)], corrections=SOFTENING)
+    fit = fit_curves([record(elbow, first)], corrections=SOFTENING)
     found = fit.softening
     assert found.first / found.steady == pytest.approx(first, abs=0.01)
     assert found.cycles == pytest.approx(2, rel=0.25)
@@ -128,11 +135,11 @@ def test_the_change_is_found_and_the_model_describes_the_rest(elbow, first):
 
 
 def test_a_suit_of_the_fit_softens(elbow):
-    fit = identify([record(elbow)], corrections=SOFTENING)
+    fit = fit_curves([record(elbow)], corrections=SOFTENING)
     joint = SuitJoint.from_fit(fit)
     new, used = joint.after(0).response([1.57])[0], joint.after(np.inf).response([1.57])[0]
     assert new / used == pytest.approx(1.2, abs=0.01)
-    assert SuitJoint.from_fit(identify([record(elbow, 1.0)])).softening is None
+    assert SuitJoint.from_fit(fit_curves([record(elbow, 1.0)])).softening is None
 
 
 def test_curves_in_their_order_count_on(elbow):
@@ -152,7 +159,7 @@ def test_a_curve_that_tests_the_model_is_freed_from_the_change_too(elbow):
     parts = []
     for name, turns in (("fit", slice(0, 12 * 59 + 1)), ("predict", slice(12 * 59, None))):
         parts.append(Curve(whole.angle[turns], whole.torque[turns], name, name))
-    fit = identify(parts, corrections=SOFTENING, initial_torque="measured")
+    fit = fit_curves(parts, corrections=SOFTENING, initial_torque="measured")
     count = Count(Curves(parts))
     factor = fit.softening.factor(count(parts[1]))
     np.testing.assert_allclose(fit.curves[1].torque * factor, parts[1].torque)
@@ -160,14 +167,14 @@ def test_a_curve_that_tests_the_model_is_freed_from_the_change_too(elbow):
 
 def test_nothing_is_found_where_nothing_changes(elbow):
     for seed in range(5):
-        fit = identify([record(elbow, 1.0, seed=seed)], corrections=SOFTENING)
+        fit = fit_curves([record(elbow, 1.0, seed=seed)], corrections=SOFTENING)
         assert fit.softening is None
         said = [one.sentence for one in fit.remarks if one.option == ("softening", "none")]
         assert said == ["no change from cycle to cycle was found"]
 
 
 def test_a_change_that_is_not_complete_is_reported(elbow):
-    fit = identify([record(elbow, first=1.5, cycles=10.0)], corrections=SOFTENING)
+    fit = fit_curves([record(elbow, first=1.5, cycles=10.0)], corrections=SOFTENING)
     assert not fit.softening.is_complete
     assert any("is extrapolated: measure more cycles" in str(remark) for remark in fit.remarks)
 
@@ -176,7 +183,7 @@ def test_two_cycles_less_a_sample_are_two(elbow):
     whole = record(elbow, first=1.4, cycles=1.0)
     short = replace(whole, angle=whole.angle[: 4 * 59], torque=whole.torque[: 4 * 59])
     assert 1.99 < gone(short.angle)[-1] < 2
-    assert identify([short], corrections=SOFTENING).softening.first > 1.1
+    assert fit_curves([short], corrections=SOFTENING).softening.first > 1.1
 
 
 @pytest.mark.slow
@@ -184,17 +191,17 @@ def test_a_change_beyond_the_limits_of_a_suit_is_limited(elbow):
     angle = record(elbow, noise=0.0).angle
     gone_part = gone(angle) / gone(angle)[-1]
     curve = Curve(angle, elbow.response(angle) * (4 * (1 - gone_part) + 0.05), "record")
-    fit = identify([curve], corrections=SOFTENING)
+    fit = fit_curves([curve], corrections=SOFTENING)
     assert fit.softening.first / fit.softening.steady == pytest.approx(9.99)
     assert SuitJoint.from_fit(fit).softening.first == fit.softening.first
     trebled = replace(curve, torque=elbow.response(angle) * (0.3 + 0.7 * gone_part))
-    fit = identify([trebled], corrections=SOFTENING)
+    fit = fit_curves([trebled], corrections=SOFTENING)
     assert fit.softening.first == pytest.approx(0.3, abs=0.03)
 
 
 @pytest.mark.slow
 def test_every_kind_of_model_and_auto_take_it(elbow):
-    one = identify([record(elbow)], model="bouc-wen", corrections=SOFTENING)
+    one = fit_curves([record(elbow)], model="bouc-wen", corrections=SOFTENING)
     for fit in (one, select([record(elbow)], corrections=SOFTENING).fit):
         assert fit.softening.first / fit.softening.steady == pytest.approx(1.2, abs=0.03)
 
@@ -228,14 +235,14 @@ def test_the_mean_of_later_cycles_follows_the_first(elbow):
 
 def test_a_fit_to_the_mean_is_that_of_the_cycled(elbow):
     short = averaged_cycles([cycled(elbow, 12, jitter=1e-3)])
-    fit = identify(short)
+    fit = fit_curves(short)
     unseen = sweep(0.52, 1.2, 0.7, 1.4, 0.52)
     assert fit.model.response(unseen) == pytest.approx(elbow.response(unseen), abs=0.08)
 
 
 def test_the_rate_is_kept(elbow):
     short = averaged_cycles([cycled(Viscoelastic(model=elbow, damping=0.5), 6)])
-    fit = identify(short, corrections=Corrections(rate="viscous"))
+    fit = fit_curves(short, corrections=Corrections(rate="viscous"))
     assert fit.model.damping == pytest.approx(0.5, rel=0.3)
 
 

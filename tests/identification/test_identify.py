@@ -16,7 +16,7 @@ from activesuit.identification import (
     Search,
     bare,
     certified_fit,
-    identify,
+    fit_curves,
     load_curves,
     register_fit,
     register_optimizer,
@@ -38,7 +38,7 @@ def test_certified_fit_reaches_the_noise_floor(joint):
     fits = [certified_fit(measured, rng=seed) for seed in range(40)]
     assert sum(fit.nrmse <= 1.05 * floor for fit in fits) >= 38
     assert max(fit.evaluations for fit in fits) <= 200
-    fit = identify(curves)
+    fit = fit_curves(curves)
     assert fit.model.certificate().certified
     assert fit.model.certificate().dissipative
     assert max(fit.prediction_errors.values()) < 0.35  # the noise itself reaches 0.3
@@ -54,7 +54,7 @@ def test_certified_fit_recovers_a_certified_truth_without_noise(table_2):
 def test_swarm_identification(small_family, method):
     search = Search(method, trials=4, swarm_size=20, max_iterations=15)
     seen = []
-    fit = identify(small_family, method=search, seed=7, on_trial=seen.append)
+    fit = fit_curves(small_family, method=search, seed=7, on_trial=seen.append)
     assert sorted(trial.index for trial in seen) == [0, 1, 2, 3]
     assert fit.nrmse == min(trial.nrmse for trial in fit.trials)
     assert fit.evaluations == 4 * 20 * 16
@@ -64,8 +64,8 @@ def test_swarm_identification(small_family, method):
         assert ((low <= parameters) & (parameters <= high)).all()
         assert len(trial.history) == 16
         assert trial.history[-1] == trial.loss
-    assert identify(small_family, method=search, seed=7, workers=1).trials == fit.trials
-    assert identify(small_family, method=search, seed=8).trials != fit.trials
+    assert fit_curves(small_family, method=search, seed=7, workers=1).trials == fit.trials
+    assert fit_curves(small_family, method=search, seed=8).trials != fit.trials
 
 
 def test_interrupt_keeps_finished_trials(small_family):
@@ -73,7 +73,7 @@ def test_interrupt_keeps_finished_trials(small_family):
         raise KeyboardInterrupt
 
     search = Search("mpso", trials=6, swarm_size=5, max_iterations=3)
-    fit = identify(small_family, method=search, workers=1, on_trial=interrupt)
+    fit = fit_curves(small_family, method=search, workers=1, on_trial=interrupt)
     assert fit.interrupted
     assert 1 <= len(fit.trials) < 6
 
@@ -100,7 +100,7 @@ def test_bad_options(small_family):
         ({"method": Search("pso", swarm_size=1)}, "swarm_size is 1"),
         ({"method": Certified(budget=10)}, "budget is 10: use at least 33"),
     ]
-    assert_refused(lambda options: identify(small_family, **options), rows)
+    assert_refused(lambda options: fit_curves(small_family, **options), rows)
     rows = [
         (Certified, {"trials": 0}, "trials is 0: use at least 1"),
         (partial(Search, "pso"), {"trials": 0}, "trials is 0: use at least 1"),
@@ -132,7 +132,7 @@ def test_bad_corrections(small_family):
     ]
 
     def tried(corrections, options):
-        identify(**{"curves": small_family} | options, corrections=Corrections(**corrections))
+        fit_curves(**{"curves": small_family} | options, corrections=Corrections(**corrections))
 
     assert_refused(tried, rows)
 
@@ -143,7 +143,7 @@ def test_bad_corrections(small_family):
 def test_the_beginning_of_the_curves(elbow, options):
     loaded = family(elbow, first=0.4, noise=0.03)
     fits = {
-        given: identify(loaded, initial_torque=given, **options)
+        given: fit_curves(loaded, initial_torque=given, **options)
         for given in (0.0, 0.4, "identified", "measured")
     }
     assert fits[0.4].initial_torque == 0.4
@@ -163,7 +163,7 @@ def test_the_objective_decides_which_trial_is_best(small_family):
         spoiled.append(Curve(curve.angle, curve.torque + outliers, curve.name, curve.role))
     few = {"trials": 6, "swarm_size": 20, "max_iterations": 30}
     fits = {
-        loss: identify(spoiled, method=Search("sa-pso", objective=loss, **few))
+        loss: fit_curves(spoiled, method=Search("sa-pso", objective=loss, **few))
         for loss in ("paper", "robust")
     }
     for fit in fits.values():
@@ -171,14 +171,14 @@ def test_the_objective_decides_which_trial_is_best(small_family):
         assert fit.model == best.model
         assert fit.fitness == pytest.approx(fit.nrmse / math.sqrt(3 * 119))
     assert fits["paper"].fitness == pytest.approx(min(t.loss for t in fits["paper"].trials))
-    by_curve = identify(spoiled, method=Search("sa-pso", normalize="curve", **few))
+    by_curve = fit_curves(spoiled, method=Search("sa-pso", normalize="curve", **few))
     assert by_curve.trials != fits["paper"].trials
 
 
 def test_weights_count_or_are_refused(small_family):
     weighted = [replace(c, weight=9.0 if c.name == "1.57" else 1.0) for c in small_family]
-    assert identify(weighted).model != identify(small_family).model
-    for fit in (partial(identify, model="bouc-wen"), select):
+    assert fit_curves(weighted).model != fit_curves(small_family).model
+    for fit in (partial(fit_curves, model="bouc-wen"), select):
         with pytest.raises(InputError, match="weights from 1 to 9: only fits of the model"):
             fit(weighted)
 
@@ -195,14 +195,14 @@ def test_a_fit_from_outside_the_package(small_family, monkeypatch):
 
     register_fit("soft", soft)
     register_fit("soft", soft)
-    fit = identify(small_family, method=Certified(scale=2.0), model="soft")
+    fit = fit_curves(small_family, method=Certified(scale=2.0), model="soft")
     assert (fit.model_name, fit.model.elastic) == ("soft", 2.0)
     assert fit.evaluations is None
     rows = [
         ({"size": 2}, "unknown certified option 'size': use one of scale"),
         ({"trials": 2}, "trials is 2: the fit of 'soft' is made once"),
     ]
-    assert_refused(lambda o: identify(small_family, method=Certified(**o), model="soft"), rows)
+    assert_refused(lambda o: fit_curves(small_family, method=Certified(**o), model="soft"), rows)
     rows = [
         ("bouc-wen", soft, "model 'bouc-wen' has a fit already"),
         ("hard", 3, "fit of 'hard' is 3: give a function"),
@@ -223,10 +223,10 @@ def test_an_optimizer_from_outside_the_package(small_family, monkeypatch):
     register_optimizer("drawn", drawn)
     register_optimizer("drawn", drawn)
     assert "drawn" in method_names()
-    one, two = identify(small_family, method=Search("drawn", trials=2, count=300)).trials
+    one, two = fit_curves(small_family, method=Search("drawn", trials=2, count=300)).trials
     assert (one.evaluations, len(one.history)) == (300, 300)
     assert one.loss != two.loss
     wrong = [(Search("drawn", size=2), "unknown drawn option 'size': use one of count")]
-    assert_refused(lambda method: identify(small_family, method=method), wrong)
+    assert_refused(lambda method: fit_curves(small_family, method=method), wrong)
     rows = [(name, drawn, f"there is another method '{name}'") for name in ("mpso", "certified")]
     assert_refused(register_optimizer, [*rows, ("hard", 3, "optimizer 'hard' is 3: give a func")])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from activesuit.identification import Curve, identify, select
+from activesuit.identification import Curve, fit_curves, select
 from activesuit.identification.baselines import baseline_errors, predictions
 from activesuit.identification.left_out import questions
 from helpers import along, assert_refused, spring, sweep
@@ -100,16 +100,16 @@ def test_auto_says_that_a_spring_needs_no_memory():
 @pytest.mark.parametrize("method", ["certified", "auto"])
 def test_noise_alone_is_not_described(method):
     curves = described(spring(0.0), 1.0)
-    fit = select(curves).fit if method == "auto" else identify(curves)
+    fit = select(curves).fit if method == "auto" else fit_curves(curves)
     assert fit.verdict == "does not describe the curves"
     assert any("explains next to nothing of the torque" in str(remark) for remark in fit.remarks)
 
 
 def test_a_record_that_begins_elsewhere_than_the_model_gets_a_remark(elbow):
     curves = [along(elbow, 0.9, 1.57, 0.52, 1.57, 0.52, first=2.0, noise=0.05, samples=70)]
-    said = " ".join(map(str, identify(curves).remarks))
+    said = " ".join(map(str, fit_curves(curves).remarks))
     assert "begin at 2" in said
     assert "initial_torque='identified'" in said
-    fit = identify(curves, initial_torque="identified")
+    fit = fit_curves(curves, initial_torque="identified")
     assert fit.initial_torque == pytest.approx(2.0, abs=0.1)
     assert "begin at" not in " ".join(map(str, fit.remarks))

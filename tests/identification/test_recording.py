@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.benchmarks.honesty.faults import FAULTS, is_named, named
-from activesuit.identification import Curve, Remark, identify, load_curves, save_curves
+from activesuit.identification import Curve, Remark, fit_curves, load_curves, save_curves
 from activesuit.identification.diagnostics import diagnostics
 from activesuit.identification.recording import recording_faults
 from activesuit.published import LI_BOUNDS
@@ -103,7 +103,7 @@ def test_a_plateau_is_no_fault_and_a_rest_is_asked_about():
 
 
 def said(curves):
-    return " ".join(map(str, identify(curves).remarks))
+    return " ".join(map(str, fit_curves(curves).remarks))
 
 
 def test_what_a_fit_says(elbow, table_2):
@@ -128,7 +128,7 @@ def test_what_shows_no_loop_is_refused(elbow):
         (replace(up, angle=jitter), "no curve turns back"),
         (Curve([0, 1, 0], [0, 1, -1], "A"), "have 3 samples in all: give at least 10"),
     ]
-    assert_refused(lambda curve: identify([curve]), rows)
+    assert_refused(lambda curve: fit_curves([curve]), rows)
 
 
 def test_limits_of_a_swarm(small_family, elbow):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.identification import Curves, fit_preisach, identify
+from activesuit.identification import Curves, fit_curves, fit_preisach
 from activesuit.identification.figures import compared, loops_plot
 from activesuit.identification.thinning import (
     drawn_note,
@@ -58,7 +58,7 @@ def test_there_are_never_too_many_turning_points():
 
 def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
     family = long_family(elbow, 40_000)
-    fit = identify(family)
+    fit = fit_curves(family)
     assert [remark.sentence for remark in fit.remarks] == [
         "40,005 of 119,997 samples are used: one in 3 of each curve, its ends and its turning "
         "points, in the fit; errors are those of all"

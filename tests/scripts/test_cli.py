@@ -15,7 +15,8 @@ from activesuit.benchmarks import identify as identify_bench
 from activesuit.benchmarks import starts
 from activesuit.benchmarks.bench import bench
 from activesuit.hysteresis import model_from_dict
-from activesuit.identification import Search, identify, load_curves
+from activesuit.identification import Search, fit_curves, identify, load_curves
+from activesuit.scripts.folders import to_json
 from activesuit.scripts.main import COMMANDS, main
 from helpers import fails, in_this_process, run, shorten_tasks
 
@@ -47,6 +48,9 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     run(capsys, "identify", ELBOW, "--method", "certified", "--out", tmp_path / "fit")
     assert {path.name for path in (tmp_path / "fit").iterdir()} == FIT_FILES
     result = json.loads((tmp_path / "fit" / "result.json").read_text())
+    found = identify(load_curves(ELBOW), method="certified", samples=20)
+    assert result == json.loads(to_json(found.to_dict()))
+    assert str(found).startswith("verdict: the model describes the curves, not beyond")
     assert result["nrmse"] < 0.0105
     assert max(result["prediction_max_error"].values()) < 0.25
     assert result["certificate"]["certified"]
@@ -97,10 +101,10 @@ def test_swarm_from_the_command_line(capsys, tmp_path):
 def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, monkeypatch):
     from activesuit.scripts.output import Bar
 
-    def interrupt(self, steps=1):
+    def interrupt(self, steps, total=None):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Bar, "advance", interrupt)
+    monkeypatch.setattr(Bar, "move_to", interrupt)
     arguments = ["--method", "mpso", "--trials", "5", "--workers", "1", "--out", tmp_path, "--json"]
     with pytest.raises(SystemExit) as stop:
         main(["identify", ELBOW, *map(str, arguments)])
@@ -319,7 +323,7 @@ def test_options_reach_the_fit(capsys):
     options = ["--method", "pso", "--trials", "1", "--objective", "robust", "--json"]
     options += ["--normalize", "curve", "--initial-torque", "identified"]
     result = json.loads(identified(capsys, ELBOW, *options))
-    expected = identify(
+    expected = fit_curves(
         load_curves(ELBOW),
         method=Search("pso", trials=1, objective="robust", normalize="curve"),
         initial_torque="identified",

@@ -14,7 +14,7 @@ from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.model import Exo
 from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS
-from activesuit.identification import identify, load_curves
+from activesuit.identification import fit_curves, load_curves
 from helpers import assert_refused, shorten_tasks, without_volume_shares
 from scipy.optimize import minimize
 from scipy.signal import lfilter
@@ -50,7 +50,7 @@ def short():
 def believed(tmp_path_factory):
     """A suit file with certified fits of the shipped curves: what a user's controller believes."""
     curves = {joint: load_curves(curves_path(name)) for name, joint in CURVES.items()}
-    fits = {joint: identify(one, seed=1) for joint, one in curves.items()}
+    fits = {joint: fit_curves(one, seed=1) for joint, one in curves.items()}
     path = tmp_path_factory.mktemp("suit") / "identified.json"
     Suit.from_fits(fits).save(path)
     return str(path)

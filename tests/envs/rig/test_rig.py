@@ -12,7 +12,7 @@ from activesuit.hysteresis import BoucWen, Preisach
 from activesuit.identification import (
     Curve,
     Motion,
-    identify,
+    fit_curves,
     motion_coverage,
     multi_order_motion,
     nested_motion,
@@ -191,7 +191,7 @@ def test_what_it_measures_predicts_turns_it_did_not_fit(suit, joint):
     curves = curves_of(run_rig(config))
     # The gas's part alone grew with the pressure of exploration-56kpa.
     model = "asymmetric" if suit == "exploration-56kpa" else "jiles-atherton"
-    assert prediction_error(identify(curves, model=model), curves) <= 1.2 * config.noise
+    assert prediction_error(fit_curves(curves, model=model), curves) <= 1.2 * config.noise
 
 
 @pytest.mark.slow

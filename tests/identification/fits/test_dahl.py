@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from activesuit.benchmarks.honesty import truths
 from activesuit.hysteresis import Dahl, Duhem
-from activesuit.identification import Certified, fit_duhem, identify
+from activesuit.identification import Certified, fit_curves, fit_duhem
 from activesuit.identification.fits.registry import fit_model
 from activesuit.identification.prediction import torque_errors
 from helpers import family
@@ -58,7 +58,7 @@ def test_intervals_contain_the_truth(name):
     known, inside = TRUTHS[name], []
     for seed in range(10):
         curves = beginning(name, (0.7, *TURNS), noise=0.03, seed=seed)
-        found = identify(curves, model=name).uncertainty()
+        found = fit_curves(curves, model=name).uncertainty()
         low, high = found.intervals.T
         truth = [*numbers(known), FIRST]
         assert len(found.names) == known.free_parameters + 1
@@ -67,5 +67,5 @@ def test_intervals_contain_the_truth(name):
 
 
 def test_the_degree_is_an_option():
-    fit = identify(beginning("dahl"), model="dahl", method=Certified(degree=1))
+    fit = fit_curves(beginning("dahl"), model="dahl", method=Certified(degree=1))
     assert len(fit.model.spring) == 2

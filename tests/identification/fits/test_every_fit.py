@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.hysteresis import MODELS, BoucWen, Dahl, Duhem
-from activesuit.identification import Curve, identify
+from activesuit.identification import Curve, fit_curves
 from activesuit.identification.fits.registry import FITS, fit_model
 from activesuit.identification.prediction import torque_errors
 from helpers import assert_refused, family, sweep
@@ -74,7 +74,7 @@ def fitted(name, curves):
 def test_every_model_is_identified_safely(small_family, name):
     loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
     option = {"initial_torque": "identified"} if name == "jiles-atherton" else {}
-    fit = identify(loaded, model=name, **option)
+    fit = fit_curves(loaded, model=name, **option)
     assert fit.model_name == name
     assert name in MODELS
     assert fit.nrmse < 0.03
@@ -85,7 +85,7 @@ def test_every_model_is_identified_safely(small_family, name):
     (kept,) = [curve for curve in loaded if curve.role == "predict"]
     error = np.abs(fit.predict(kept) - kept.torque).max()
     assert fit.prediction_errors == {kept.name: error}
-    assert identify(loaded, model=name, workers=1, **option) == fit
+    assert fit_curves(loaded, model=name, workers=1, **option) == fit
 
 
 @pytest.mark.parametrize("name", FITS)
@@ -93,7 +93,7 @@ def test_a_seed_fixes_the_result_and_other_roles_do_not_count(name):
     curves = family(TRUTH, noise=0.02)
     wrong = family(TRUTH, (0.75, 1.05), noise=5.0, role="predict")
     if name == "jiles-atherton":  # whose fit takes what it gets
-        one, two = (identify(some, seed=3) for some in (curves, [*curves, *wrong]))
+        one, two = (fit_curves(some, seed=3) for some in (curves, [*curves, *wrong]))
         assert one.model == two.model
     else:
         assert fitted(name, curves).model == fitted(name, [*curves, *wrong]).model
@@ -124,7 +124,7 @@ def test_unusable_families(name):
     if name not in ("jiles-atherton", "preisach"):
         apart = family(TRUTH, (1.5,), start=0.82)
         rows.append(([*family(TRUTH), *apart], "the curves begin at 0.52 to 0.82 rad"))
-    assert_refused(lambda curves: identify(curves, model=name), rows)
+    assert_refused(lambda curves: fit_curves(curves, model=name), rows)
 
 
 def test_bad_options():

@@ -12,7 +12,7 @@ from activesuit.identification import (
     Curve,
     Magnetic,
     bare,
-    identify,
+    fit_curves,
     load_curves,
     save_curves,
 )
@@ -55,7 +55,7 @@ def loops(material, form, noise=2e-3, start=0.0, **options):
 @pytest.mark.parametrize("form", ["bulk", "original", "derivative"])
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_form_and_its_parameters_come_back(material, form):
-    fit = identify([loops(material, form)], method="magnetic")
+    fit = fit_curves([loops(material, form)], method="magnetic")
     model, known = bare(fit.model), truth(material, form)
     assert model.form == form
     assert model.clamp == "jiles"
@@ -73,7 +73,7 @@ def test_jiles_1992_is_the_original_with_other_numbers():
     same = replace(known, form="original", c=known.c / (1 - known.c), k=known.k * (1 - known.c))
     curve = loops("iron", "jiles-1992", noise=0.0)
     np.testing.assert_allclose(same.response(curve.angle), curve.torque, atol=1e-5)
-    model = bare(identify([curve], method="magnetic").model)
+    model = bare(fit_curves([curve], method="magnetic").model)
     assert model.form == "original"
     assert model.c == pytest.approx(same.c, rel=1e-2)
     assert model.k == pytest.approx(same.k, rel=1e-2)
@@ -82,7 +82,7 @@ def test_jiles_1992_is_the_original_with_other_numbers():
 @pytest.mark.parametrize("start", ["identified", "measured"])
 def test_a_record_may_begin_magnetized(start):
     curve = loops("iron", "original", noise=1e-4, start=0.4)
-    fit = identify([curve], method=Magnetic(budget=1_000), initial_torque=start)
+    fit = fit_curves([curve], method=Magnetic(budget=1_000), initial_torque=start)
     assert bare(fit.model).form == "original"
     assert bare(fit.model).c == pytest.approx(0.2, rel=0.05)
     if start == "identified":
@@ -90,14 +90,14 @@ def test_a_record_may_begin_magnetized(start):
 
 
 def test_noise_hides_the_form_and_a_remark_says_so():
-    fit = identify([loops("iron", "original", noise=2e-2)], method="magnetic")
+    fit = fit_curves([loops("iron", "original", noise=2e-2)], method="magnetic")
     (remark,) = (one.sentence for one in fit.remarks if one.code == "form")
     assert "do not distinguish the form" in remark
     assert "name the form with every parameter" in remark
 
 
 def test_the_uncertainty_has_all_five_parameters_and_no_samples():
-    fit = identify([loops("iron", "original")], method="magnetic")
+    fit = fit_curves([loops("iron", "original")], method="magnetic")
     found = fit.uncertainty()
     assert found.names == ("Ms", "a", "alpha", "c", "k")
     known = truth("iron", "original")
@@ -108,7 +108,7 @@ def test_the_uncertainty_has_all_five_parameters_and_no_samples():
 
 
 def test_the_certified_fit_names_the_method():
-    fit = identify([loops("iron", "original")])
+    fit = fit_curves([loops("iron", "original")])
     assert fit.verdict == "does not describe the curves"
     (remark,) = (one for one in fit.remarks if one.code == "work")
     assert "magnetization over its field" in remark.sentence
@@ -127,7 +127,7 @@ def test_what_is_no_magnet_is_refused():
         (weighted, {}, "weights from 1 to 2"),
     ]
     assert_refused(
-        lambda curves, options: identify(curves, **{"method": "magnetic"} | options), rows
+        lambda curves, options: fit_curves(curves, **{"method": "magnetic"} | options), rows
     )
     rows = [({"trials": 2}, "has one per form; leave it out"), ({"objective": "sse"}, "is 'sse'")]
     assert_refused(lambda options: method_of("magnetic", **options), rows)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from activesuit.hysteresis import Backlash
-from activesuit.identification import Corrections, identify
+from activesuit.identification import Corrections, fit_curves
 from activesuit.identification.fits.play import play_of
 from activesuit.identification.fits.registry import fit_model
 from helpers import family
@@ -35,14 +35,14 @@ def test_other_models_find_it_too(elbow, name):
 @pytest.mark.slow
 def test_a_joint_without_play_gets_none(elbow):
     for seed in range(3):
-        fit = identify(measured(elbow, seed), corrections=Corrections(play="fit"))
+        fit = fit_curves(measured(elbow, seed), corrections=Corrections(play="fit"))
         assert play_of(fit.model) == "none"
 
 
 @pytest.mark.slow
 def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
     curves = measured(Backlash(model=elbow, gap=GAP))
-    tight, loose = identify(curves), identify(curves, corrections=Corrections(play="fit"))
+    tight, loose = fit_curves(curves), fit_curves(curves, corrections=Corrections(play="fit"))
     assert loose.nrmse < 0.7 * tight.nrmse
     assert loose.model.certificate().certified
     known = loose.uncertainty(samples=2)

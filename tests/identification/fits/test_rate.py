@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, Clipped, JilesAtherton, Viscoelastic
-from activesuit.identification import Corrections, Curve, bare, identify, select
+from activesuit.identification import Corrections, Curve, bare, fit_curves, select
 from activesuit.identification.fits.rate import rate_of
 from activesuit.identification.fits.registry import FITS, fit_model
 from helpers import sweep
@@ -64,7 +64,7 @@ def test_a_joint_that_does_not_depend_on_the_rate_gets_next_to_nothing(elbow):
 def test_the_truth_is_within_its_interval(viscous):
     inside = []
     for seed in range(15):
-        fit = identify(measured(viscous, seed, samples=40), corrections=VISCOUS)
+        fit = fit_curves(measured(viscous, seed, samples=40), corrections=VISCOUS)
         known = fit.uncertainty()
         low, high = known.intervals[known.names.index("damping")]
         inside.append(low <= 0.3 <= high)
@@ -74,9 +74,9 @@ def test_the_truth_is_within_its_interval(viscous):
 @pytest.mark.slow
 def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
     curves = measured(viscous)
-    slow = identify(curves)
+    slow = fit_curves(curves)
     assert ("rate", "viscous") in [remark.option for remark in slow.remarks]
-    fit = identify(curves, corrections=VISCOUS)
+    fit = fit_curves(curves, corrections=VISCOUS)
     assert not any("rate" in str(remark) for remark in fit.remarks)
     assert fit.nrmse < 0.5 * slow.nrmse
     assert rate_of(fit.model) == "viscous"
@@ -86,11 +86,11 @@ def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
 
 @pytest.mark.slow
 def test_elements_that_were_not_found_are_reported(elbow, viscous):
-    fit = identify(measured(viscous), corrections=Corrections(rate="relaxing"))
+    fit = fit_curves(measured(viscous), corrections=Corrections(rate="relaxing"))
     assert rate_of(fit.model) == "viscous"
     said = "no relaxation was found beside the dashpot (corrections=Corrections(rate='viscous'))"
     assert said in map(str, fit.remarks)
-    fit = identify(measured(Viscoelastic(model=elbow)), corrections=Corrections(play="fit"))
+    fit = fit_curves(measured(Viscoelastic(model=elbow)), corrections=Corrections(play="fit"))
     assert "no gap was found (corrections=Corrections(play='none'))" in map(str, fit.remarks)
 
 
@@ -103,7 +103,7 @@ def test_auto_chooses_among_models_beside_the_dashpot(viscous):
 
 def test_a_model_with_an_angle_range_keeps_it(shoulder):
     truth = Viscoelastic(model=Clipped(model=shoulder, angle_range=(0.3, 1.6)), damping=0.4)
-    fit = identify(measured(truth), corrections=VISCOUS)
+    fit = fit_curves(measured(truth), corrections=VISCOUS)
     assert isinstance(fit.model, Viscoelastic)
     assert isinstance(bare(fit.model.model), JilesAtherton)
     assert fit.model.certificate().certified
@@ -113,7 +113,7 @@ def test_a_model_with_an_angle_range_keeps_it(shoulder):
 def test_weights_are_refused(viscous):
     first, *others = measured(viscous)
     with pytest.raises(InputError, match=r"weights from 1 to 2: only fits .* without rate"):
-        identify([replace(first, weight=2.0), *others], corrections=VISCOUS)
+        fit_curves([replace(first, weight=2.0), *others], corrections=VISCOUS)
 
 
 @pytest.mark.slow
@@ -132,7 +132,7 @@ def test_torque_that_is_measured_at_another_time_is_no_dashpot(elbow, lag, said_
         known = one.time - lag <= one.time[-1]  # the joint rests before, and goes on after
         torque = np.interp(one.time[known] - lag, one.time, one.torque)
         late.append(Curve(one.angle[known], torque, one.name, time=one.time[known]))
-    fit = identify(late, corrections=Corrections(rate="none"))
+    fit = fit_curves(late, corrections=Corrections(rate="none"))
     assert fit.verdict == "does not describe the curves"
     said = " ".join(map(str, fit.remarks))
     assert f"measured {said_lag} the angle" in said

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import Clipped, JilesAtherton
 from activesuit.hysteresis.jiles_atherton import PARAMETERS
-from activesuit.identification import Curve, bare, certified_fit, identify
+from activesuit.identification import Curve, bare, certified_fit, fit_curves
 from activesuit.identification.fits.certified import refined
 from activesuit.identification.objective import CurveObjective
 from activesuit.identification.residual.noise import GRID, Noise, slow_noise
@@ -110,7 +110,7 @@ def test_intervals_and_bands_cover_the_truth_as_often_as_they_say(elbow, memory)
 
 @pytest.mark.parametrize("name", ["asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"])
 def test_every_model_has_intervals_and_samples(elbow, name):
-    fit = identify(family(elbow, noise=0.05), model=name)
+    fit = fit_curves(family(elbow, noise=0.05), model=name)
     found = fit.uncertainty(samples=2)
     assert found.names[-1] == "initial_torque"
     assert (found.intervals[:, 0] <= found.values).all()
@@ -123,7 +123,7 @@ def test_every_model_has_intervals_and_samples(elbow, name):
 
 
 def test_a_binding_certificate_makes_intervals_one_sided(shoulder):
-    fit = identify(family(replace(shoulder, alpha=1.05 * shoulder.alpha), noise=0.05))
+    fit = fit_curves(family(replace(shoulder, alpha=1.05 * shoulder.alpha), noise=0.05))
     assert "limit of the certificate" in " ".join(map(str, fit.remarks))
     found = fit.uncertainty()
     down, up = np.abs(np.log(found.intervals[1] / found.values[1]))  # of a

@@ -1,32 +1,29 @@
-"""What an intended use needs of curves: the motions of a task, of a file, or any."""
+"""The joint on which a file of curves was measured, and the motions that its model is for."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from ..arrays import Array
 from ..assets import JOINTS
-from ..errors import unknown_name
-from ..identification import Coverage, Curves, coverage, load_motion, motion_coverage
-from ..identification.coverage import any_motion
+from ..errors import InputError, unknown_name
+from ..identification import load_motion
+from ..identification.identify import ANY
 from ..identification.motion_files import Motion
-from .curve_joints import joint_of
 
-ANY = "any"
 MOTION = ".csv"  # how the names of files of motions end
 MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
-def needed_coverage(curves: Curves, use: str | None, motions: Sequence[Motion]) -> Coverage | None:
-    """Returns what a use needs of curves; None without a use.
-
-    Args:
-        curves: Measured curves.
-        use: Use of the curves, as in `intended_motions`.
-        motions: Its motions.
-    """
-    if use == ANY:
-        return any_motion(coverage(curves.fitted() or curves))
-    return motion_coverage(motions) if motions else None
+def joint_of(path: Path, joint: str | None) -> str:
+    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
+    if joint is not None and joint not in JOINTS:
+        raise unknown_name("joint", joint, JOINTS)
+    for name in (joint, path.stem, f"{path.stem}_flexion"):
+        if name in JOINTS:
+            return name
+    raise InputError(
+        f"cannot tell which joint {path.name!r} was measured on: give --joint with one of "
+        f"{', '.join(JOINTS)}"
+    )
 
 
 def intended_motions(path: Path, use: str | None, joint: str | None) -> list[Motion]:
@@ -40,13 +37,9 @@ def intended_motions(path: Path, use: str | None, joint: str | None) -> list[Mot
     if use is None or use == ANY:
         return []
     if use.lower().endswith(MOTION):
-        return [load_motion(use, _joint_if_known(path, joint))]
+        known = joint is not None or {path.stem, f"{path.stem}_flexion"} & {*JOINTS}
+        return [load_motion(use, joint_of(path, joint) if known else None)]
     return _task_motions(use, joint_of(path, joint))
-
-
-def _joint_if_known(path: Path, joint: str | None) -> str | None:
-    known = joint is not None or {path.stem, f"{path.stem}_flexion"} & {*JOINTS}
-    return joint_of(path, joint) if known else None
 
 
 def _task_motions(name: str, joint: str) -> list[Motion]:

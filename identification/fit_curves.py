@@ -1,0 +1,177 @@
+"""`fit_curves`: a model from measured curves, by a named method and several seeded trials."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..checks import check_seed
+from ..checks import workers as check_workers
+from ..errors import InputError, refuse_old_names, unknown_name
+from ._threads import run_threads
+from .corrections import Corrected, Corrections, averaged, corrected
+from .coverage import Coverage
+from .curves import Curve, Curves
+from .diagnostics import turns_back
+from .fit import Fit, judged_fit
+from .fits.registry import Fitted, fit_model
+from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
+from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
+from .recording import recording_faults
+from .residual.loop_work import refuse_driven
+from .thinning import thinned
+from .trials import Trial, fit_trial, magnetic_trial, optimizer_trial
+
+NONE = Corrections()
+OLD_NAMES = {
+    **{name: f"corrections=Corrections({name}=...)" for name in ("tare", "rate", "play")},
+    "softening": "corrections=Corrections(softening=...)",
+    **{name: f"method=Search(..., {name}=...)" for name in ("objective", "normalize")},
+    "trials": "method=Certified(trials=...)",
+    "budget": "method=Certified(budget=...)",
+}
+
+
+def fit_curves(
+    curves: Sequence[Curve],
+    *,
+    model: str = DEFAULT_MODEL,
+    method: str | Method = "certified",
+    corrections: Corrections = NONE,
+    initial_torque: InitialTorque | None = None,
+    seed: int = 0,
+    workers: int = -1,
+    needed: Coverage | None = None,
+    on_trial: Callable[[Trial], None] | None = None,
+    **old: Any,
+) -> Fit:
+    """Fits one hysteresis model to measured curves by one method.
+
+    Trials are independent, run in parallel on all cores, and depend only on `seed` and their
+    index: the result is the same for any number of workers. Ctrl-C keeps the finished trials.
+    An option that the method would ignore is refused. Of more than 50,000 samples to fit, `thinned`
+    picks those that the fit uses; a remark then says so, and errors are those of all samples.
+
+    Args:
+        curves: The measurements; those with role "predict" are kept out of the fit and tested.
+        model: "jiles-atherton", "asymmetric" (the same beside a polynomial), "bouc-wen",
+            "prandtl-ishlinskii", "preisach", "hinged-stops", "dahl" or "duhem"; `select` chooses
+            among them.
+        method: `Certified`, `Search` or `Magnetic` with their options; or the name of a method with
+            its usual ones: "certified" (ours: least squares, can only return certified models); or,
+            for "jiles-atherton" only, one of those of `Search`, such as "sa-pso", or "magnetic"
+            (magnetization over a field, in the form that fits best; not certified).
+        corrections: What is taken off the curves, or fitted beside the model.
+        initial_torque: The torque with which each Jiles-Atherton curve begins: a number [N·m], by
+            default 0 as in a first-order curve; "measured", its own first sample; or "identified",
+            one for all. The fits of the other models always identify it.
+        seed: Seed of all random numbers.
+        workers: The number of threads; -1 uses all cores.
+        needed: Coverage of the intended motions, as `motion_coverage` returns it; the verdict and
+            the remarks then state where the curves fall short of it.
+        on_trial: Function that gets each trial as it finishes, in any order.
+        **old: Names of version 0.2, which are refused with the new one.
+
+    Returns:
+        The best trial's model, its errors, and reasons to doubt it.
+    """
+    refuse_unknown(old)
+    method = method_of(method)
+    check_together(method, model, corrections, initial_torque)
+    check_seed(seed)
+    check_workers(workers)
+    starts = initial_torque is not None and model == DEFAULT_MODEL
+    start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}
+    ready = prepared(curves, model, corrections, start, seed)
+    if model != DEFAULT_MODEL or corrections.beside or isinstance(method, Magnetic):
+        refuse_weights(ready.measured)
+    if isinstance(method, Search):
+        goal = {"loss": method.objective, "normalize": method.normalize, **start}
+        run = partial(optimizer_trial, ready.measured, method.name, goal, {**method.options})
+    elif isinstance(method, Magnetic):
+        first = 0.0 if initial_torque is None else initial_torque
+        run = partial(magnetic_trial, ready.measured, first, method.budget)
+    else:
+        options = {**method.options, **start, **corrections.beside}
+        run = partial(fit_trial, ready.measured, model, options)
+    seeds = np.random.SeedSequence(seed).spawn(method.trials)
+    calls = [partial(run, index, child) for index, child in enumerate(seeds)]
+    finished, interrupted = run_threads(calls, workers, on_trial)
+    return judged_fit(
+        ready,
+        corrections,
+        model,
+        method,
+        finished,
+        needed,
+        fitted_start=fits_start(model, initial_torque),
+        interrupted=interrupted,
+    )
+
+
+def fits_start(model: str, initial_torque: InitialTorque | None) -> bool:
+    """Returns whether the fit of a model chooses the torque with which the curves begin."""
+    return model != DEFAULT_MODEL or initial_torque == "identified"
+
+
+def prepared(
+    curves: Sequence[Curve],
+    model: str,
+    corrections: Corrections,
+    start: dict[str, Any],
+    seed: int,
+) -> Corrected:
+    """Returns corrected curves, all and those to fit.
+
+    Args:
+        curves: The measurements.
+        model: Name of the model whose certified fit finds tare and softening.
+        corrections: What is taken off.
+        start: Torque at the beginning, as an option of that fit.
+        seed: Seed of its random numbers.
+    """
+    family = averaged(Curves(curves), corrections)
+    measured = thinned(_measured(family))
+    refuse_driven(measured)
+
+    def fitted(some: Curves) -> Fitted:
+        rng = np.random.default_rng(seed)
+        return fit_model(model, some, rng, **start, **corrections.beside)
+
+    faults = tuple(recording_faults(Curves(curves).fitted()))
+    return corrected(family, measured, corrections, fitted)._replace(faults=faults)
+
+
+def refuse_unknown(given: dict[str, Any]) -> None:
+    """Refuses names that are no options; those of version 0.2 with the new name."""
+    refuse_old_names(given, OLD_NAMES)
+    for name in given:
+        known = ("model", "method", "corrections", "initial_torque", "seed", "workers", "needed")
+        raise unknown_name("option", name, known)
+
+
+def _measured(curves: Curves) -> Curves:
+    """Returns the curves to fit; reports unusable ones before any thread starts."""
+    measured = curves.fitted()
+    samples = CurveObjective(measured).torque.size
+    if samples < FEWEST_SAMPLES:
+        raise InputError(
+            f"the fitted curves have {samples} samples in all: give at least {FEWEST_SAMPLES}"
+        )
+    if not any(map(turns_back, measured)):
+        raise InputError(
+            "no curve turns back, and one direction of motion alone does not show the loss: "
+            "measure the return of at least one curve too"
+        )
+    return measured
+
+
+def refuse_weights(curves: Sequence[Curve]) -> None:
+    """Refuses curves of unlike weights, which most fits would ignore."""
+    weights = [curve.weight for curve in curves]
+    if min(weights) < max(weights):
+        raise InputError(
+            f"the curves have weights from {min(weights):g} to {max(weights):g}: only fits of the "
+            "model 'jiles-atherton' without rate and play weigh curves; remove the weights"
+        )
