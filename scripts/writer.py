@@ -59,6 +59,21 @@ class Report:
     pictures: Mapping[str, Any] = field(default_factory=dict)
     settings: Mapping[str, Any] | None = None
 
+    @classmethod
+    def of(cls, found: Any, heading: str, about: str, **more: Any) -> "Report":
+        """Returns the report of a result, which has its tables, sentences, columns and figures.
+
+        Args:
+            found: Result with `to_dict`, `tables` and `sentences`, perhaps also `columns`, `plots`.
+            heading: What the command does.
+            about: What it was done with.
+            **more: Attributes of the report that are not those of the result.
+        """
+        parts = {"result": "to_dict", "tables": "tables", "answer": "sentences"}
+        parts |= {name: name for name in ("columns", "plots") if hasattr(found, name)}
+        given = {name: getattr(found, of)() for name, of in parts.items() if name not in more}
+        return cls(heading=heading, about=about, **given, **more)
+
 
 def conclude(report: Report, folder: RunFolder | None, json: bool = False) -> None:
     """Prints a report, as JSON or as tables and sentences; writes it if there is a folder."""

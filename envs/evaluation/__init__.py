@@ -6,6 +6,7 @@ from .core import FIRST_SEED, REFERENCES
 from .rollout import Trace, rollout
 from .scores import Score, score
 from .statistics import Interval
+from .suit_validation import SuitValidation, validate
 
 __all__ = [
     "BOUNDS",
@@ -14,8 +15,10 @@ __all__ = [
     "Evaluation",
     "Interval",
     "Score",
+    "SuitValidation",
     "Trace",
     "evaluate",
     "rollout",
     "score",
+    "validate",
 ]

@@ -155,7 +155,7 @@ def verdict(nrmse: float) -> str:
     return next((name for name, limit in LIMITS.items() if nrmse <= limit), NOT_VALID)
 
 
-def validate(
+def compare_beliefs(
     env_id: str,
     believed: Mapping[str, AnySuit],
     *,

@@ -151,11 +151,10 @@ def identify(
         if others is None:
             name = joint.replace("_", " ")
             answer.append(f"suit: it resists {name} only; --base mock-suit adds the other joints")
-    report = Report(
-        heading="Identified model",
-        about=f"{family.source}, {label.replace('_', ' ')}",
-        result=found.to_dict(),
-        tables=found.tables(),
+    report = Report.of(
+        found,
+        "Identified model",
+        f"{family.source}, {label.replace('_', ' ')}",
         answer=answer,
         columns=found.columns(label),
         plots=found.plots(label),

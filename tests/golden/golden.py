@@ -19,7 +19,7 @@ import numpy as np
 from activesuit.assets import load_suit
 from activesuit.envs.benchmark import BASELINE, run_trial, suite
 from activesuit.envs.evaluation import rollout
-from activesuit.envs.evaluation.validation import validate
+from activesuit.envs.evaluation.validation import compare_beliefs
 from activesuit.envs.levels import LEVELS
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options
@@ -129,7 +129,7 @@ def row() -> Numbers:
 def validated() -> Numbers:
     believed = {"mock-suit": load_suit("mock-suit")}
     task = replace(TASKS["ElbowFlexion"], duration=DURATION)
-    _, found = validate(
+    _, found = compare_beliefs(
         "ActiveSuit/ElbowFlexion-v0", believed, motions=8, suit="emu-like", task=task
     )
     one = found["mock-suit"]

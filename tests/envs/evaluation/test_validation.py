@@ -6,12 +6,12 @@ from activesuit.assets import CURVES, Suit, curves_path, load_suit
 from activesuit.envs.evaluation import FIRST_SEED, rollout
 from activesuit.envs.evaluation.validation import (
     LIMITS,
+    compare_beliefs,
     curve_errors,
     lag_of,
     noise_of,
     torque_error,
     torque_errors,
-    validate,
     verdict,
 )
 from activesuit.envs.making import make_arms
@@ -113,7 +113,7 @@ def test_the_torque_error_separates_six_beliefs(six):
 def test_relief_is_compared_motion_by_motion(monkeypatch):
     shorten_tasks(monkeypatch, 1.0)
     believed = {"exact": "emu-like", "other": "mock-suit"}
-    found, validations = validate(ENV, believed, motions=8, suit="emu-like", **WEIGHTLESS)
+    found, validations = compare_beliefs(ENV, believed, motions=8, suit="emu-like", **WEIGHTLESS)
     exact, other = (validations[name] for name in believed)
     for one in (other.relief, other.difference, other.share_of_true, other.share_of_bound):
         assert one.low <= one.value <= one.high
@@ -174,4 +174,6 @@ def test_beliefs_that_cannot_be_validated():
         (wrist, {}, "and neither shoulder_flexion nor elbow_flexion"),
         (load_suit("mock-suit"), {"motions": 7}, "motions is 7: use at least 8"),
     ]
-    assert_refused(lambda mine, given: validate(ENV, {"mine": mine}, **WEIGHTLESS, **given), rows)
+    assert_refused(
+        lambda mine, given: compare_beliefs(ENV, {"mine": mine}, **WEIGHTLESS, **given), rows
+    )
