@@ -178,7 +178,6 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         f"medians of {repeats} pairs; {machine}",
         ["ours\nagainst", "time", "processor\ntime", "ratio", "lowest\nhighest", "target"],
         map(_cells, rows),
-        left=1,
     )
     if learners:
         table("steps of PPO, and where their time goes", *train.training_table(learners))
@@ -247,7 +246,7 @@ def _first_use(json: bool) -> None:
         print(to_json({"uses": [use.to_dict() for use in uses]}))
         return
     for title, (header, rows) in first_use.tables(uses).items():
-        table(title, header, rows, left=1)
+        table(title, header, rows)
 
 
 def _cells(row: "Row") -> Sequence[str]:

@@ -192,4 +192,4 @@ def report(json: bool) -> None:
         print(to_json({"rows": rows}))
         return
     title = "C code: bytes; largest difference from Python over the peak; time of a step [ns]"
-    table(title, *columns(rows), left=1)
+    table(title, *columns(rows))

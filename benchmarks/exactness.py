@@ -171,7 +171,6 @@ def report(json: bool) -> None:
         "largest difference [N·m] of each model's kernel from its reference, SciPy and the engine",
         ["model", "range\n[rad]", "samples", "turns", *LABELS, "within"],
         [*rows, ("all", "", "", "", *maxima, _verdict(passed))],
-        left=1,
     )
     print(
         f"largest of all: {overall:.1e} N·m; within means at most {TOLERANCE:g} N·m from "

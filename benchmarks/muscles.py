@@ -400,9 +400,9 @@ def report(json: bool) -> None:
         print(to_json(content))
         return
     table("MyoArm in our posture, random over the range", *_map_table(errors))
-    table("strength of the average man [N·m]", *strength_table(strong), left=2)
+    table("strength of the average man [N·m]", *strength_table(strong))
     table("metabolic power of the bare arm on Earth, above rest", *bare_table(bare))
-    table(f"an elbow pushed by {PUSH:g} N·m for {PUSHED:g} s", *pushed_table(hit), left=1)
+    table(f"an elbow pushed by {PUSH:g} N·m for {PUSHED:g} s", *pushed_table(hit))
     table("cost", ["what", "value"], [[name, f"{value:.3g}"] for name, value in spent.items()])
 
 

@@ -203,7 +203,7 @@ def _help_of_parts(name: str) -> str:
     return "\n".join([f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines])
 
 
-def function_of(name: str) -> Callable[..., None]:
+def function_of(name: str) -> Callable[..., object]:
     """Returns the function of a command."""
     name = name.rsplit(maxsplit=1)[-1]
     return getattr(import_module(f".commands.{name}", __package__), name)

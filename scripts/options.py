@@ -26,8 +26,8 @@ ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message t
 
 
 def parsed(
-    command: Callable[..., None], program: str, arguments: Sequence[str]
-) -> Callable[[], None]:
+    command: Callable[..., object], program: str, arguments: Sequence[str]
+) -> Callable[[], object]:
     """Returns a call of the command with the arguments of a command line."""
     if any(one.kind is one.VAR_KEYWORD for one in inspect.signature(command).parameters.values()):
         arguments = [SHORT.sub(r"--payload.mass\1", one) for one in arguments]
@@ -43,7 +43,7 @@ def parsed(
         raise InputError(f"{_sentence(said.getvalue())}; see {program} --help") from None
 
 
-def with_flags(command: Callable[..., None]) -> Callable[..., Callable[[], None]]:
+def with_flags(command: Callable[..., object]) -> Callable[..., Callable[[], object]]:
     """Returns a function with a parameter for each flag, which returns a call of the command."""
     kinds = inspect.Parameter
     own, hints = inspect.signature(command).parameters, get_type_hints(command, include_extras=True)
@@ -54,14 +54,14 @@ def with_flags(command: Callable[..., None]) -> Callable[..., Callable[[], None]
         hints[name] = hint
         parameters.append(kinds(name, kinds.KEYWORD_ONLY, default=default, annotation=hint))
 
-    def later(*given: Any, **options: Any) -> Callable[[], None]:
+    def later(*given: Any, **options: Any) -> Callable[[], object]:
         own = {name: one for name, one in options.items() if name not in more}
         used = _given((name, options[name], default) for name, (_, default) in more.items())
         return functools.partial(command, *given, **own, **used)
 
     later.__doc__ = command.__doc__
     later.__annotations__ = {name: one for name, one in hints.items() if name not in of_scene}
-    later.__annotations__["return"] = Callable[[], None]
+    later.__annotations__["return"] = Callable[[], object]
     later.__signature__ = inspect.Signature(parameters)  # pyright: ignore
     return later
 

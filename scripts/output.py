@@ -13,6 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
+from ..tables import columns_of_words
 from ..text import visible
 
 WIDEST = 24  # characters of a table cell that are never broken
@@ -90,8 +91,8 @@ class _Lines:
             print(said, file=sys.stderr, flush=True)
 
 
-def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:
-    """Prints a table; the first `left` columns are aligned left, the others right, as numbers.
+def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Prints a table; columns of words are aligned left, those of numbers right.
 
     Nothing is left out: in a terminal long cells are broken, elsewhere a table is as wide as it is.
     """
@@ -102,9 +103,9 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
         for i in range(len(header))
     ]
     least = [min(length, WIDEST) for length in longest]
-    for i, name in enumerate(header):
-        justify = "left" if i < left else "right"
-        shown.add_column(Text(name), justify=justify, min_width=least[i], overflow="fold")
+    for name, words, width in zip(header, columns_of_words(header, rows), least, strict=True):
+        justify = "left" if words else "right"
+        shown.add_column(Text(name), justify=justify, min_width=width, overflow="fold")
     for row in rows:
         shown.add_row(*map(Text, row))
     if sys.stdout.isatty():

@@ -6,7 +6,6 @@ import hashlib
 import io
 import json as json_module
 import platform
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -16,7 +15,7 @@ from typing import Any
 
 from .. import __version__
 from ..plots import Plot
-from ..tables import Rows
+from ..tables import Rows, columns_of_words
 from ..text import say, visible
 from .columns import explained
 from .folders import RunFolder, to_json
@@ -28,7 +27,6 @@ DATA = (".json", ".jsonl", ".csv", ".safetensors")
 MOST_ROWS = 500  # of a table of a page
 DPI = 140
 _HERE = __name__.rpartition(".")[0]
-NUMBER = re.compile(r"[-+−]?\d[\d,]*\.?\d*(e[-+]?\d+)?(?![\w-])")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,11 +152,7 @@ def _figure(plot: Plot) -> dict[str, Any]:
 def _table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[Any]:
     """Returns a table for the page, with which of its columns hold words."""
     rows = [*rows]
-    known = [
-        [row[i] for row in rows if row[i].strip() not in ("", "-")] for i in range(len(header))
-    ]
-    left = [not (cells and all(map(NUMBER.match, cells))) for cells in known]
-    return [title, header, rows, left]
+    return [title, header, rows, columns_of_words(header, rows)]
 
 
 @cache

@@ -44,7 +44,7 @@ def demo(
     motions: Motions = 20,
     seed: Seed = 0,
     force: Force = False,
-) -> None:
+) -> Report:
     """Do the whole job once: identify, simulate, compensate, report.
 
     The curves are synthetic, made from the published parameters; see the README. Both suits, the
@@ -55,6 +55,9 @@ def demo(
         out: Folder for suit.json, result.json, tables, figures and report.html: a new or an empty
             one; by default runs/demo, or runs/demo-2, ...
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
+
+    Returns:
+        Tables, sentences, figures and plain values.
     """
     at_least("trials", trials, 1)
     at_least("motions", motions, FEWEST_MOTIONS)
@@ -80,7 +83,9 @@ def demo(
         picture = _picture(seed)
         config = {"trials": trials, "motions": motions, "seed": seed, "env": ENV}
         config |= {"plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
-        conclude(_report(curves, fits, found, picture, config), folder)
+        report = _report(curves, fits, found, picture, config)
+        conclude(report, folder)
+        return report
 
 
 def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:

@@ -42,7 +42,7 @@ def policies(
         [one, about["does"], ", ".join(about["sensors"]), ", ".join(about["options"])]
         for one, about in found.items()
     ]
-    table("policies", ["name", "does", "sensors", "options"], rows, left=4)
+    table("policies", ["name", "does", "sensors", "options"], rows)
     say(
         "Options follow a colon, as in adaptive:suit=emu-like,forgetting=10; every policy takes "
         "guard=true."

@@ -77,7 +77,7 @@ def _list(json: bool) -> None:
         ]
         for suit in shipped
     ]
-    table("suits", ["name", "label", "joints", "pressure"], rows, left=3)
+    table("suits", ["name", "label", "joints", "pressure"], rows)
     for suit in shipped:
         say(f"{suit.name}: {suit.description}\n")
 
@@ -100,7 +100,7 @@ def _show(suit: Suit) -> None:
     header, rows = parameter_table({names[j]: entry.model for j, entry in suit.joints.items()})
     columns = [_column(entry) for entry in suit.joints.values()]
     rows += [[quantity, *(column[quantity] for column in columns)] for quantity in columns[0]]
-    table("models", header, rows, left=1)
+    table("models", header, rows)
     for joint, entry in suit.joints.items():
         say(f"{joint}: {entry.source}")
     say(f"\n{LOSS_FACTOR}\n")

@@ -34,7 +34,7 @@ def tasks(
         [f"{OURS}{one}-v0", f"{task.duration:g} s", task.place, task.about]
         for one, task in chosen.items()
     ]
-    table("tasks", ["id", "duration", "place", "motion and load"], rows, left=4)
+    table("tasks", ["id", "duration", "place", "motion and load"], rows)
     for one, task in chosen.items():
         say(f"{one} succeeds with {task.rule}. Source: {task.source}.")
 

@@ -40,7 +40,7 @@ def train(
     trust: bool = False,
     force: Force = False,
     **options: Any,
-) -> None:
+) -> Path:
     """Train an assist policy with Stable-Baselines3.
 
     The folder is a policy: policy.safetensors and policy.json, which run no code, are all that
@@ -73,6 +73,9 @@ def train(
         resume: Go on with the run in that folder.
         trust: Resume a run that you did not train on this machine, although that runs whatever code
             its files hold; no other command runs any.
+
+    Returns:
+        The folder, which is the name of the policy; its result.json has all evaluations.
     """
     for name, count, least, most in (
         ("torch-threads", torch_threads, 1, MOST_STEPS),
@@ -107,12 +110,13 @@ def train(
     )
     if seeds is None:
         request.one(out)
-        return
+        return out
     if motions == 0:
         raise InputError(
             "--motions 0 is given, and --seeds compares evaluations: leave one of them out"
         )
     train_all(request, seeds_of(seeds), out, workers)
+    return out
 
 
 def _lists(given: Any) -> Any:
