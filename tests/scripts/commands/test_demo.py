@@ -131,7 +131,7 @@ def interrupting_call(monkeypatch, owner, name, number=1):
 
 
 @pytest.mark.parametrize(
-    ("owner", "part", "call", "done"), [(demo_module, "identify", 1, 0), (Bar, "advance", 2, 2)]
+    ("owner", "part", "call", "done"), [(demo_module, "fit_curves", 1, 0), (Bar, "advance", 2, 2)]
 )
 def test_interrupt_keeps_the_finished_fits(tmp_path, monkeypatch, capsys, owner, part, call, done):
     interrupting_call(monkeypatch, owner, part, call)
