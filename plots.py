@@ -39,7 +39,7 @@ DASHES = {"solid": "-", "dash": "--", "dot": ":"}
 GOOD_TO_BAD = [[0, "#1a9850"], [0.5, "#fee08b"], [1, "#d73027"]]
 LARGEST = 1e12  # number that is drawn; matplotlib fails at some that are larger
 LEAST_HEIGHT = 0.1  # of an angle axis [rad], so that noise does not fill it
-DRAWN = 500, 4000  # greatest number of points of a line, and about that of a panel, on a page
+DRAWN = 400, 2700  # greatest number of points of a line, and about that of a panel, on a page
 
 
 @dataclass(frozen=True)
