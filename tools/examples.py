@@ -35,7 +35,7 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--motions", "8"]),
     ("train", "", ["--steps", "8192"]),
     ("train", "--resume", ["--steps", "16384"]),
-    ("view", "--film", ["--set", "max_episode_steps=100", "--size", "320", "240"]),
+    ("view", "--film", ["--max-episode-steps", "100", "--size", "320", "240"]),
 )
 SECONDS = 600  # longest time of an example
 
