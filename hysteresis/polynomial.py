@@ -5,10 +5,10 @@ from numpy.polynomial import polynomial as poly
 
 from ..checks import numbers
 from ..errors import InputError
-from .protocol import Numbers
+from .protocol import POLYNOMIAL, Numbers
 
 LARGEST_DEGREE = 5
-UNIT = "N·m/rad^i"
+UNIT = POLYNOMIAL
 NEGLIGIBLE = 1e-15  # share of the largest term below which a leading one changes no extreme
 
 

@@ -220,9 +220,7 @@ def begin(p, s, angle, torque):
 
 @njit(cache=True, error_model="numpy")
 def move(p, s, angle):
-    """Returns (torque, loss) after a monotone motion from the memory to `angle`."""
-    if angle == s[0]:
-        return s[1], 0.0
+    """Returns (torque, loss) after a monotone motion from the memory to another angle."""
     if not math.isfinite(angle):
         return math.nan, 0.0
     _, relays, lost, _ = walk(p, s, angle)
@@ -352,14 +350,3 @@ def configure(values, ends, p):
         return AS_MANY, 2
     set_parameters(p, levels, density, slopes)
     return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torques along the angles H, from s; NaN from a failure onwards."""
-    M[0] = s[1]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arrays import Array
-from ...checks import numbers, scales
+from ...checks import numbers
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
@@ -72,6 +72,7 @@ class Preisach(HysteresisModel):
     )
     not_fitted: ClassVar[tuple[str, ...]] = ("levels",)
     least: ClassVar[Mapping[str, float]] = {"density": 0.0}
+    units: ClassVar[Mapping[str, str]] = {"levels": "rad", "density": "N·m", "elastic": "N·m/rad"}
 
     levels: Numbers
     density: Sequence[Numbers]
@@ -115,11 +116,6 @@ class Preisach(HysteresisModel):
         density = np.concatenate([np.array(row) for row in self.density])
         set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
         return read_only(p)
-
-    @property
-    def memory_size(self) -> int:
-        """How many numbers the memory holds, with space for the most turning points."""
-        return self.kernels.MEMORY_SIZE
 
     def everett(self, alpha: float, beta: float) -> float:
         """Returns E(alpha, beta): the weight [N·m] of all relays between two angles [rad]."""
@@ -166,40 +162,7 @@ class Preisach(HysteresisModel):
             kernels.commit(self._parameters, own, angle)
         return self._keep_loss(own, memory, parameters)
 
-    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Preisach":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Args:
-            torque: Scale of the resistance, > 0.
-            angle: Scale of the angles, > 0.
-        """
-        scales(torque=torque, angle=angle)
-        return Preisach(
-            levels=[level * angle for level in self.levels],
-            density=[[weight * torque for weight in row] for row in self.density],
-            elastic=[slope * torque / angle for slope in self.elastic],
-        )
-
-    @property
-    def free_parameters(self) -> int:
-        """How many numbers a fit chooses: all weights and elastic slopes; the levels are given."""
-        return len(self.elastic) + sum(map(len, self.density))
-
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them, the rows of the density end to end."""
         density = [weight for row in self.density for weight in row]
         return {"levels": self.levels, "density": density, "elastic": self.elastic}
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Units of the parameters, by name; a pure number has no entry."""
-        return {"levels": "rad", "density": "N·m", "elastic": "N·m/rad"}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
-        return {
-            "model": self.name,
-            "levels": list(self.levels),
-            "density": [list(row) for row in self.density],
-            "elastic": list(self.elastic),
-        }
