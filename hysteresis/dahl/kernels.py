@@ -15,7 +15,7 @@ import math
 
 from numba import njit
 
-from ..polynomial_kernels import slope_of, value_of, work_of
+from ..polynomial import slope_of, value_of, work_of
 
 STIFFNESS, UP, DOWN, SPRING = range(4)
 ANGLE, TORQUE, LOSS, Z = range(4)

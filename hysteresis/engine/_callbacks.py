@@ -1,4 +1,4 @@
-"""The C callbacks of a joint with a hysteresis model, which MuJoCo calls, compiled by numba.
+"""The plugins of hysteresis models: their C callbacks, which MuJoCo calls, compiled by numba.
 
 An instance keeps parameters and memory in `mjData.plugin_state`, so they are part of the physics
 state: saved, restored, copied and batched by MuJoCo itself. `compute` only reads the memory (it
@@ -12,39 +12,62 @@ from one compiled function to the next took half as long as computing the torque
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
+from functools import cache
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from numba import njit
 
+from .. import polynomial
+from ..around import Wrapper
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..around.backlash_kernels import within
-from ..polynomial_kernels import slope_of, value_of
-from ._configuration import configure, connect, required_size
-from ._faults import FINE, JOINT, POLE, complain_of
-from ._layout import Layout
+from ..polynomial import slope_of, value_of
+from ..protocol import HysteresisModel, stamp_of
+from ..registry import MODELS
+from ._configuration import (
+    A_LIST,
+    A_NUMBER,
+    A_WORD,
+    COMMON_KEYS,
+    FINE,
+    JOINT,
+    OPTIONAL,
+    POLE,
+    complain_of,
+    configure,
+    connect,
+    required_size,
+)
 from ._state import (
     ENERGY_SENSOR,
     OFF,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
+    Layout,
     has_sensors,
     joint_of,
     parts,
     sensor_of,
 )
 from .native import (
+    STAGE_POS,
     callback,
     doubles,
     int32_at,
+    layout,
     pointer_at,
+    register_plugin,
     sensor_values,
     set_word,
     state_of,
     state_size,
     word_of,
 )
+
+KINDS = {"number": A_NUMBER, "list": A_LIST, "word": A_WORD}
 
 
 @njit(inline="always")
@@ -81,7 +104,7 @@ def reached(kernels, p, memory, fault, angle):
     """Returns angle, torque and loss at a trial angle, or of the memory where it has no torque."""
     # The angles are equal after every step, when the memory has just been moved there.
     if angle != memory[0] and fault == 0 and kernels.is_sound(p):
-        torque, loss = kernels.move(p, memory, angle)
+        torque, loss = kernels.move(p, memory, angle)[:2]
         if not math.isnan(torque):
             return angle, torque, loss
     return memory[0], memory[1], 0.0
@@ -213,3 +236,37 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
             play[backlash.END] = position
 
     return nstate, nsensordata, init, copy, reset, compute, advance
+
+
+def plugin_name(model: type[HysteresisModel]) -> str:
+    """Returns the name of a model's plugin in MJCF."""
+    return f"activesuit.{model.name.replace('-', '_')}"
+
+
+def register() -> dict[str, int]:
+    """Registers a plugin for each model with MuJoCo, once; returns their slots by plugin name.
+
+    Raises:
+        RuntimeError: The structs of the installed MuJoCo are not as it describes them.
+    """
+    bare = [model for model in MODELS.values() if not issubclass(model, Wrapper)]
+    return {plugin_name(model): _register(model) for model in bare}
+
+
+@cache
+def _register(model: type[HysteresisModel]) -> int:
+    own, at = model.config_keys, layout(Layout)
+    shared = [Path(str(one.__file__)) for one in (backlash, viscoelastic, polynomial)]
+    files = [*shared, *Path(__file__).parent.rglob("*.py")]
+    return register_plugin(
+        plugin_name(model),
+        [*COMMON_KEYS, *(key.name for key in own)],
+        lambda: build(
+            model.kernels,
+            tuple(KINDS[key.kind] + OPTIONAL * key.optional for key in own),
+            tuple(" ".join(key.words).encode() for key in own),
+            at._replace(stamp=stamp_of(model.kernels, files)),
+        ),
+        STAGE_POS,
+        sensors=True,
+    )

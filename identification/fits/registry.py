@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ...errors import InputError
-from ...hysteresis.around.asymmetric import Asymmetric
+from ...hysteresis.around import Asymmetric
 from ...hysteresis.bouc_wen.model import BoucWen
 from ...hysteresis.dahl.model import Dahl, Duhem
 from ...hysteresis.jiles_atherton.model import JilesAtherton
