@@ -7,11 +7,10 @@ from . import first_use  # noqa: F401  (reports long compilation)
 from .around import Asymmetric, Backlash, Clipped, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
-from .config import ConfigKey
 from .dahl import Dahl, Duhem
 from .jiles_atherton import TABLE_2, JilesAtherton, nearest_certified
 from .preisach import Preisach
-from .protocol import Energy, HysteresisModel, State
+from .protocol import ConfigKey, Energy, HysteresisModel, State
 from .registry import MODELS, model_from_dict, register_model
 from .steady import SteadyCycle, steady_cycle
 from .stops import HingedStops, PrandtlIshlinskii

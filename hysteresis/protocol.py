@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numba import njit
@@ -18,7 +18,6 @@ from ..arrays import Array
 from ..checks import number, scales
 from ..errors import InputError
 from .certificate import ALL_ANGLES, Certificate, PoleError
-from .config import ConfigKey
 
 Numbers = Sequence[float] | Array
 POLYNOMIAL = "N·m/rad^i"  # unit of the coefficients of a polynomial of the angle
@@ -36,6 +35,25 @@ SCALINGS: Mapping[str, Callable[[float, float, float], float]] = {
 LOSS = 2  # place in a memory, after angle and torque
 SURELY = 1 - 1e-9  # share of the memory bound at which rounding does not pass it
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
+
+
+@dataclass(frozen=True)
+class ConfigKey:
+    """One key of a model's plugin config.
+
+    Attributes:
+        name: Name of the key in MJCF.
+        kind: Kind of its value: one "number", a "list" of numbers with blanks between them, or one
+            "word" of `words`.
+        words: Words that are allowed; a kernel gets the position of the given word among them.
+        optional: Whether the key may be left out. A number is 0 then, a list is empty, and a word
+            is the first of `words`.
+    """
+
+    name: str
+    kind: Literal["number", "list", "word"] = "number"
+    words: tuple[str, ...] = ()
+    optional: bool = False
 
 
 @dataclass(frozen=True, eq=False)

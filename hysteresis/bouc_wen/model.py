@@ -13,8 +13,7 @@ from ...arrays import Array
 from ...checks import number, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, read_only
+from ..protocol import ConfigKey, HysteresisModel, read_only
 from . import kernels
 
 SHARPEST = kernels.LARGEST_POWER

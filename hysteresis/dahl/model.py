@@ -13,9 +13,8 @@ from ...arrays import Array
 from ...checks import number
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
 from ..polynomial import coefficients, extremes
-from ..protocol import POLYNOMIAL, HysteresisModel, Numbers, read_only
+from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers, read_only
 from . import kernels
 
 KEYS = (ConfigKey("spring", "list"), ConfigKey("stiffness"))

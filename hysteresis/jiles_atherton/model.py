@@ -12,9 +12,9 @@ import numpy as np
 from ...arrays import Array
 from ...checks import number
 from ...errors import InputError
+from ...published import LI_TABLE_2
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, State, read_only
+from ..protocol import ConfigKey, HysteresisModel, State, read_only
 from . import kernels
 from ._forms import CLAMPS, FORMS
 from .margins import margin_everywhere, margin_in_range
@@ -202,3 +202,10 @@ class JilesAtherton(HysteresisModel):
             if content[field.name] == field.default and field.name != "angle_unit":
                 del content[field.name]
         return content
+
+
+TABLE_2: dict[str, JilesAtherton] = {
+    name: JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    for name, (Ms, a, alpha, c, k) in LI_TABLE_2.items()
+}
+"""Suit joints as identified by Li et al. 2022, Table 2: by joint and optimizer, in degrees."""

@@ -13,10 +13,8 @@ from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, Numbers, read_only
+from ..protocol import ConfigKey, HysteresisModel, Numbers, read_only
 from . import kernels
-from ._tables import parameter_size, set_parameters, total_weight
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,9 +110,9 @@ class Preisach(HysteresisModel):
     def parameter_vector(self) -> Array:
         """The parameters as the kernels read them: segments, then cells; read-only."""
         segments = len(self.density)
-        p = np.empty(parameter_size(segments))
+        p = np.empty(kernels.parameter_size(segments))
         density = np.concatenate([np.array(row) for row in self.density])
-        set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
+        kernels.set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
         return read_only(p)
 
     def everett(self, alpha: float, beta: float) -> float:
@@ -153,7 +151,7 @@ class Preisach(HysteresisModel):
 
         So does the torque with all relays down, as a share of the sum of all |weights|.
         """
-        old, new = total_weight(parameters), total_weight(self.parameter_vector)
+        old, new = kernels.total_weight(parameters), kernels.total_weight(self.parameter_vector)
         down, turns = kernels.RECORDS, kernels.turning_points(memory)
         below = float(memory[down + 1]) * (new / old if old > 0 else 1.0)
         lowest = self.levels[0]

@@ -16,8 +16,7 @@ from ...arrays import Array
 from ...checks import number, numbers
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, Numbers, State, finite_series, read_only
+from ..protocol import ConfigKey, HysteresisModel, Numbers, State, finite_series, read_only
 from . import hinged_stops, prandtl_ishlinskii
 
 Operator = Literal["stop", "play"]

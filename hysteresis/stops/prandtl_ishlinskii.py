@@ -105,15 +105,6 @@ def travel(p, s, angle, keep):
 
 
 @njit(cache=True, error_model="numpy")
-def is_certified(p):
-    """Returns whether no motion gains energy: no weight of a stop is negative."""
-    for weight in p[HEADER + (p.size - HEADER) // 2 :]:
-        if weight < 0:
-            return False
-    return True
-
-
-@njit(cache=True, error_model="numpy")
 def move(p, s, angle):
     """Returns (torque, loss) after a motion to another angle; NaN where it is not finite."""
     if not math.isfinite(angle):
@@ -165,8 +156,11 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, the same for all ranges, and the margin `inside`."""
-    return is_certified(p), inside
+    """Returns whether no motion gains energy, as no weight of a stop is negative, and `inside`."""
+    for weight in p[HEADER + (p.size - HEADER) // 2 :]:
+        if weight < 0:
+            return False, inside
+    return True, inside
 
 
 @njit(cache=True)
