@@ -21,55 +21,18 @@ from . import _state as state
 from . import native
 from ._state import LARGEST, MEMORY, POLYNOMIAL_LIMIT, joint_of, parts
 
-# Config keys of every model; the model's own follow.
-COMMON_KEYS = (
-    "joint",
-    "start_angle",
-    "start_torque",
-    "start_path",
-    "polynomial",
-    "angle_range",
-    "viscoelastic",
-    "gap",
-    "allow_uncertified",
-    "taken_off",
+# Config keys of every model; the model's own follow. All numbers are NumPy's: for each number of
+# Python numba would compile functions anew.
+COMMON_KEYS = tuple(
+    "joint start_angle start_torque start_path polynomial angle_range viscoelastic gap "
+    "allow_uncertified taken_off".split()
 )
-(
-    JOINT,
-    START_ANGLE,
-    START_TORQUE,
-    START_PATH,
-    POLYNOMIAL,
-    ANGLE_RANGE,
-    VISCOELASTIC,
-    GAP,
-    ALLOW,
-    TAKEN_OFF,
-    FIRST_KEY,
-) = np.arange(11)  # no Python numbers, for which numba compiles functions anew
+JOINT, START_ANGLE, START_TORQUE, START_PATH, POLYNOMIAL, ANGLE_RANGE = np.arange(6)
+VISCOELASTIC, GAP, ALLOW, TAKEN_OFF, FIRST_KEY = np.arange(6, 11)
 
-(
-    FINE,
-    NO_JOINT,
-    JOINT_TYPE,
-    JOINT_TWICE,
-    NUMBER,
-    NUMBERS,
-    WORD,
-    TOO_MANY,
-    RANGE,
-    THREE,
-    ABOVE_0,
-    FLAG,
-    UNCERTIFIED,
-    FAR_START,
-    NO_START,
-    NO_PATH,
-    SENSOR_NAME,
-    SENSOR_TWICE,
-    TOO_LARGE,
-    POLE,
-) = np.arange(20)
+FINE, NO_JOINT, JOINT_TYPE, JOINT_TWICE, NUMBER, NUMBERS, WORD, TOO_MANY, RANGE = np.arange(9)
+THREE, ABOVE_0, FLAG, UNCERTIFIED, FAR_START, NO_START, NO_PATH = np.arange(9, 16)
+SENSOR_NAME, SENSOR_TWICE, TOO_LARGE, POLE = np.arange(16, 20)
 SENTENCES = (  # order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
