@@ -400,7 +400,7 @@ def stamp_of(kernels: ModuleType, files: Iterable[Path] = ()) -> int:
     """Returns a number that changes with any file beside a module of kernels, or of some others.
 
     Numba's own check of its cache reads the file of a function, not those of functions that it
-    calls. The number as the default of an argument is a part of the function's signature.
+    calls. A function that mentions the number, which is at least 0, is new to the cache with it.
     """
     beside = Path(getattr(kernels, "__file__", None) or __file__).parent.glob("*.py")
     stats = [(path.name, path.stat()) for path in sorted({*beside, *files})]
@@ -417,9 +417,9 @@ def responder(kernels: ModuleType) -> Callable[[Array, Array, Array, Array], Non
     """
     version = stamp_of(kernels)
 
-    @njit(cache=True, nogil=True)
-    def respond(p, s, angles, torques, stamp=version):
-        torques[0] = s[1]
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def respond(p, s, angles, torques):
+        torques[0] = s[1] if version >= 0 else math.nan
         for i in range(1, angles.size):
             torques[i] = kernels.commit(p, s, angles[i])
             if math.isnan(torques[i]):

@@ -122,8 +122,8 @@ def follower(kernels: ModuleType) -> Callable[..., Any]:
     version = stamp_of(kernels)
 
     @njit(cache=True)
-    def follow(p, s, polynomial, limits, play, angles, torques, stamp=version):
-        for i in range(1, angles.size):
+    def follow(p, s, polynomial, limits, play, angles, torques):
+        for i in range(1, angles.size if version >= 0 else 0):
             if angles[i] == angles[i - 1]:
                 torques[i] = torques[i - 1]
                 continue
