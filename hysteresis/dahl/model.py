@@ -128,11 +128,9 @@ class Duhem(Semilinear):
         ConfigKey("friction_up"),
         ConfigKey("friction_down"),
     )
-    least: ClassVar[Mapping[str, float]] = {
-        "stiffness": 0.0,
-        "friction_up": 0.0,
-        "friction_down": 0.0,
-    }
+    least: ClassVar[Mapping[str, float]] = dict.fromkeys(
+        ("stiffness", "friction_up", "friction_down"), 0.0
+    )
     units: ClassVar[Mapping[str, str]] = {**UNITS, "friction_up": "N·m", "friction_down": "N·m"}
 
     friction_up: float

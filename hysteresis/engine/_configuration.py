@@ -192,13 +192,7 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
         if complaint != FINE:
             fault = (MODEL + complaint, FIRST_KEY + key)
     if fault[0] == FINE:
-        fault = read_polynomial(m, instance, polynomial, at)
-    if fault[0] == FINE:
-        fault = read_range(m, instance, limits, at)
-    if fault[0] == FINE:
-        fault = read_viscoelastic(m, instance, rate, at)
-    if fault[0] == FINE:
-        fault = read_gap(m, instance, play, at)
+        fault = read_around(m, instance, polynomial, limits, rate, play, at)
     if fault[0] == FINE:
         fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, play, at)
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) < 0:
@@ -210,43 +204,27 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
 
 
 @inner
-def read_polynomial(m, instance, polynomial, at):
-    """Reads the coefficients of the elastic polynomial, if there are any; returns a fault."""
+def read_around(m, instance, polynomial, limits, rate, play, at):
+    """Reads the numbers of what is around the model, each part if there is one; returns a fault."""
     count = native.parse_numbers(native.config(m, instance, POLYNOMIAL, at), polynomial)
-    if count < 0:
-        return NUMBERS, POLYNOMIAL
-    return FINE if count <= POLYNOMIAL_LIMIT else TOO_MANY, POLYNOMIAL
-
-
-@inner
-def read_range(m, instance, limits, at):
-    """Reads the range outside which the torque is constant, if there is one; returns a fault."""
-    if limits.size == 0:
-        return FINE, JOINT
-    count = native.parse_numbers(native.config(m, instance, ANGLE_RANGE, at), limits)
-    return FINE if count == 2 and limits[0] < limits[1] else RANGE, ANGLE_RANGE
-
-
-@inner
-def read_viscoelastic(m, instance, rate, at):
-    """Reads the numbers of the viscoelastic part, if there is one; returns a fault."""
-    if rate.size == 0:
-        return FINE, JOINT
-    rate[:] = 0.0
-    given = rate[: viscoelastic.NUMBERS]
-    count = native.parse_numbers(native.config(m, instance, VISCOELASTIC, at), given)
-    sound = count == viscoelastic.NUMBERS and viscoelastic.is_sound(rate)
-    return FINE if sound else THREE, VISCOELASTIC
-
-
-@inner
-def read_gap(m, instance, play, at):
-    """Reads the gap of the play, if there is one; returns a fault."""
-    if play.size == 0:
-        return FINE, JOINT
-    play[:] = 0.0
-    count = native.parse_numbers(native.config(m, instance, GAP, at), play[: backlash.END])
-    return FINE if count == 1 and backlash.is_sound(play) else ABOVE_0, GAP
+    if not 0 <= count <= POLYNOMIAL_LIMIT:
+        return NUMBERS if count < 0 else TOO_MANY, POLYNOMIAL
+    if limits.size > 0:
+        count = native.parse_numbers(native.config(m, instance, ANGLE_RANGE, at), limits)
+        if not (count == 2 and limits[0] < limits[1]):
+            return RANGE, ANGLE_RANGE
+    if rate.size > 0:
+        rate[:] = 0.0
+        given = rate[: viscoelastic.NUMBERS]
+        count = native.parse_numbers(native.config(m, instance, VISCOELASTIC, at), given)
+        if not (count == viscoelastic.NUMBERS and viscoelastic.is_sound(rate)):
+            return THREE, VISCOELASTIC
+    if play.size > 0:
+        play[:] = 0.0
+        count = native.parse_numbers(native.config(m, instance, GAP, at), play[: backlash.END])
+        if not (count == 1 and backlash.is_sound(play)):
+            return ABOVE_0, GAP
+    return FINE, JOINT
 
 
 @inner
