@@ -14,9 +14,9 @@ from ..arrays import Array
 from ..errors import InputError
 from ..hysteresis import HysteresisModel, State, Viscoelastic
 from ..hysteresis.c_code import BYTES, Header, stepped
-from ..hysteresis.references import EXAMPLES
 from ..scripts.folders import to_json
 from ..scripts.output import table
+from .references import EXAMPLES
 
 SAMPLES = 10_000
 DT = 0.01  # s, time of a step

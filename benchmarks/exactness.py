@@ -11,9 +11,9 @@ import numpy as np
 from ..arrays import Array
 from ..hysteresis import MODELS, Asymmetric, Backlash, Viscoelastic
 from ..hysteresis.engine import attach
-from ..hysteresis.references import EXAMPLES, Example, integrate, reference_of, turn_indices
 from ..scripts.folders import to_json
 from ..scripts.output import table
+from .references import EXAMPLES, Example, integrate, reference_of, turn_indices
 
 TOLERANCE = 1e-6  # [N·m], kernel against reference and against SciPy
 SUM_TOLERANCE = 1e-12  # [N·m], the engine's sum with a polynomial; without one it is exact

@@ -7,15 +7,13 @@ from . import first_use  # noqa: F401  (reports long compilation)
 from .around import Asymmetric, Backlash, Clipped, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
-from .config import ConfigKey
 from .dahl import Dahl, Duhem
-from .hinged_stops import HingedStops
 from .jiles_atherton import TABLE_2, JilesAtherton, nearest_certified
-from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
-from .protocol import Energy, HysteresisModel, State
+from .protocol import ConfigKey, Energy, HysteresisModel, State
 from .registry import MODELS, model_from_dict, register_model
 from .steady import SteadyCycle, steady_cycle
+from .stops import HingedStops, PrandtlIshlinskii
 
 _RENAMED = {"Held": "Clipped"}
 

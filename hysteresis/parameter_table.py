@@ -7,7 +7,7 @@ import numpy as np
 
 from ..tables import Rows
 from . import HysteresisModel, JilesAtherton, Viscoelastic
-from .around.wrapper import Wrapper
+from .around import Wrapper
 
 FEW = 6  # numbers that a cell lists
 

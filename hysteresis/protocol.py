@@ -1,27 +1,59 @@
 """`HysteresisModel`, the protocol of every hysteresis model over its compiled kernels."""
 
 import math
+import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..checks import number
+from ..checks import number, scales
 from ..errors import InputError
 from .certificate import ALL_ANGLES, Certificate, PoleError
-from .config import ConfigKey
 
 Numbers = Sequence[float] | Array
+POLYNOMIAL = "N·m/rad^i"  # unit of the coefficients of a polynomial of the angle
+SCALINGS: Mapping[str, Callable[[float, float, float], float]] = {
+    "s": lambda value, torque, angle: value,
+    "N·m": lambda value, torque, angle: value * torque,
+    "rad": lambda value, torque, angle: value * angle,
+    "deg": lambda value, torque, angle: value * angle,
+    "N·m/rad": lambda value, torque, angle: value * torque / angle,
+    "N·m·s/rad": lambda value, torque, angle: value * torque / angle,
+    "rad/N·m": lambda value, torque, angle: value * angle / torque,
+    "deg/N·m": lambda value, torque, angle: value * angle / torque,
+}
+"""Parameters of models whose torques and angles are so many times as large, by unit."""
 LOSS = 2  # place in a memory, after angle and torque
 SURELY = 1 - 1e-9  # share of the memory bound at which rounding does not pass it
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
+
+
+@dataclass(frozen=True)
+class ConfigKey:
+    """One key of a model's plugin config.
+
+    Attributes:
+        name: Name of the key in MJCF.
+        kind: Kind of its value: one "number", a "list" of numbers with blanks between them, or one
+            "word" of `words`.
+        words: Words that are allowed; a kernel gets the position of the given word among them.
+        optional: Whether the key may be left out. A number is 0 then, a list is empty, and a word
+            is the first of `words`.
+    """
+
+    name: str
+    kind: Literal["number", "list", "word"] = "number"
+    words: tuple[str, ...] = ()
+    optional: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +101,14 @@ class HysteresisModel(ABC):
         begin(p, s, angle, torque)              fills s; returns how far the start is inside what
                                                 the certificate covers: < 0 outside, NaN if the
                                                 model cannot have that torque there
-        move(p, s, angle)                       (torque, loss) after a monotone motion; s unchanged
+        move(p, s, angle)                       (torque, loss, maybe more) after a monotone motion
+                                                to another angle; s unchanged
         commit(p, s, angle)                     the torque after it, which becomes the memory;
                                                 s stays as it is where the torque is NaN
         stiffness(p, s, angle, torque, delta)   slope there if the motion goes on with sign delta
         stored(p, s, angle, torque, loss)       the energy stored there
         dissipated(p, s, angle, torque, loss)   the energy dissipated from the start to there
-        response(p, s, angles, torques)         a whole series, bit-identical to move and commit
+        MEMORY_SIZE                             how many numbers s has, for all parameters
 
     The engine plugin calls the same kernels, so a simulation and `response` agree to the last bit.
     It reads the parameters from MJCF, where their names are `config_keys`, and needs these members
@@ -101,6 +134,8 @@ class HysteresisModel(ABC):
     """Names of the numbers in `to_dict` that no fit chooses: grids, ranges and conventions."""
     least: ClassVar[Mapping[str, float]] = MappingProxyType({})
     """Lower bounds of numbers in `to_dict` of certified models, by name; a bound may be reached."""
+    units: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Units of the parameters in `to_dict`, by name; a pure number has no entry."""
 
     @cached_property
     @abstractmethod
@@ -113,27 +148,39 @@ class HysteresisModel(ABC):
         return self.parameter_vector.copy()
 
     @property
-    @abstractmethod
     def memory_size(self) -> int:
         """How many numbers the memory holds."""
+        return self.kernels.MEMORY_SIZE
 
     @abstractmethod
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Proves what can be proved for any motion whose angles [rad] stay in a range."""
 
-    @abstractmethod
-    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "HysteresisModel":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> Self:
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
+
+        That is exact for every motion. Each parameter changes as its unit says.
+
+        Args:
+            torque: Scale of the resistance, > 0.
+            angle: Scale of the angles, > 0.
+        """
+        scales(torque=torque, angle=angle)
+        given, units = self._given(), self.units
+        changed = {name: _scaled(given[name], units[name], torque, angle) for name in units}
+        return replace(self, **changed)  # type: ignore[type-var]
 
     @property
-    @abstractmethod
     def free_parameters(self) -> int:
-        """How many numbers a fit of the model chooses."""
+        """How many numbers a fit of the model chooses: all but those that are `not_fitted`."""
+        given = self._given().items()
+        return sum(_count(value) for name, value in given if name not in self.not_fitted)
 
-    @property
-    def units(self) -> dict[str, str]:
-        """Units of the parameters in `to_dict`, by name; a pure number has no entry."""
-        return {}
+    def _given(self) -> dict[str, Any]:
+        """Returns the parameters by name, without the model inside."""
+        model: Any = self
+        names = (field.name for field in fields(model))
+        return {name: getattr(self, name) for name in names if name != "model"}
 
     @property
     def c_source(self) -> Path:
@@ -144,9 +191,9 @@ class HysteresisModel(ABC):
         """Returns the parameters as MJCF has them: a number, a text or a list for each key."""
         return {key.name: getattr(self, key.name) for key in self.config_keys}
 
-    @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
+        return {"model": self.name} | {name: _plain(one) for name, one in self._given().items()}
 
     def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
         """Computes the resistance along a sequence of angles.
@@ -168,7 +215,7 @@ class HysteresisModel(ABC):
         angle = finite_series("angle", angle, "rad")
         memory = self.start(angle[0], initial_torque).memory.copy()
         torque = np.empty_like(angle)
-        self.kernels.response(self._parameters, memory, angle, torque)
+        responder(self.kernels)(self._parameters, memory, angle, torque)
         if np.isnan(torque[-1]):
             last = int(np.flatnonzero(np.isnan(torque))[0])
             raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
@@ -284,9 +331,10 @@ class HysteresisModel(ABC):
         p, commit, move = self._parameters, self.kernels.commit, self.kernels.move
         torque = np.empty(len(memories))
         for row, memory in enumerate(memories):
-            before, here = memory[0], angle[row]
-            commit(p, memory, here)
-            torque[row] = move(p, memory, soon[row])[0]
+            before = memory[0]
+            commit(p, memory, angle[row])
+            ahead = memory[1] if soon[row] == memory[0] else move(p, memory, soon[row])[0]
+            torque[row] = ahead
             if math.isnan(torque[row]):
                 raise self._pole(float(before), float(soon[row]))
         return torque
@@ -346,6 +394,60 @@ class HysteresisModel(ABC):
         return PoleError(
             f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; {why}"
         )
+
+
+def stamp_of(kernels: ModuleType, files: Iterable[Path] = ()) -> int:
+    """Returns a number that changes with any file beside a module of kernels, or of some others.
+
+    Numba's own check of its cache reads the file of a function, not those of functions that it
+    calls. A function that mentions the number, which is at least 0, is new to the cache with it.
+    """
+    beside = Path(getattr(kernels, "__file__", None) or __file__).parent.glob("*.py")
+    stats = [(path.name, path.stat()) for path in sorted({*beside, *files})]
+    seen = [(name, stat.st_mtime_ns, stat.st_size) for name, stat in stats]
+    return zlib.crc32(repr(seen).encode())
+
+
+@cache
+def responder(kernels: ModuleType) -> Callable[[Array, Array, Array, Array], None]:
+    """Compiles the response of a model, once for each module of kernels.
+
+    The function moves a memory s along `angles` [rad], shape (n,), and fills `torques` [N·m] with
+    the torque at each; from a failure onwards, as at a pole, they are NaN.
+    """
+    version = stamp_of(kernels)
+
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def respond(p, s, angles, torques):
+        torques[0] = s[1] if version >= 0 else math.nan
+        for i in range(1, angles.size):
+            torques[i] = kernels.commit(p, s, angles[i])
+            if math.isnan(torques[i]):
+                torques[i:] = math.nan
+                return
+
+    return respond
+
+
+def _plain(value: Any) -> Any:
+    """Returns a parameter as JSON has it, with lists in place of tuples."""
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+
+
+def _count(value: Any) -> int:
+    """Returns how many numbers a parameter has."""
+    if isinstance(value, tuple):
+        return sum(map(_count, value))
+    return 0 if isinstance(value, bool | str) else 1
+
+
+def _scaled(value: Any, unit: str, torque: float, angle: float) -> Any:
+    """Returns a parameter of the unit, where torques and angles are so many times as large."""
+    if unit == POLYNOMIAL:
+        return [one * torque / angle**power for power, one in enumerate(value)]
+    if isinstance(value, tuple):
+        return tuple(_scaled(one, unit, torque, angle) for one in value)
+    return SCALINGS[unit](value, torque, angle)
 
 
 def finite_series(name: str, values: ArrayLike, unit: str) -> Array:

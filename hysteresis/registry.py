@@ -8,11 +8,10 @@ from ..errors import InputError, shown, unknown_name
 from .around import Asymmetric, Backlash, Clipped, Viscoelastic, Wrapper
 from .bouc_wen import BoucWen
 from .dahl import Dahl, Duhem
-from .hinged_stops import HingedStops
 from .jiles_atherton import JilesAtherton
-from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
 from .protocol import HysteresisModel
+from .stops import HingedStops, PrandtlIshlinskii
 
 MODELS: dict[str, type[HysteresisModel]] = {
     model.name: model

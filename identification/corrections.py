@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, get_args
 
 from ..errors import InputError, unknown_name
-from ..hysteresis.around.viscoelastic import Viscoelastic
+from ..hysteresis.around import Viscoelastic
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curves
 from .cycles import averaged_cycles

@@ -4,10 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..hysteresis.around.asymmetric import Asymmetric
-from ..hysteresis.around.backlash import Backlash
-from ..hysteresis.around.clipped import Clipped
-from ..hysteresis.around.viscoelastic import without_rate
+from ..hysteresis.around import Asymmetric, Backlash, Clipped, without_rate
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve

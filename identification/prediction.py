@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
-from ..hysteresis.around.viscoelastic import Viscoelastic
+from ..hysteresis.around import Viscoelastic
 from ..hysteresis.certificate import PoleError
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves

@@ -1,6 +1,7 @@
 """Certified, dissipative models of every kind, on which tests ask what every model promises."""
 
 import numpy as np
+from activesuit.benchmarks.references import EXAMPLES
 from activesuit.hysteresis import (
     TABLE_2,
     Asymmetric,
@@ -9,7 +10,6 @@ from activesuit.hysteresis import (
     HysteresisModel,
     Viscoelastic,
 )
-from activesuit.hysteresis.references import EXAMPLES
 
 ELBOW = TABLE_2["elbow-sa-pso"]
 IN_A_RANGE = Clipped(model=ELBOW, angle_range=(0.2, 1.2))

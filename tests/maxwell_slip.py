@@ -64,13 +64,6 @@ def dissipated(p, s, angle, torque, loss):
     return s[2] + loss
 
 
-@njit(cache=True, nogil=True)
-def response(p, s, angles, torques):
-    torques[0] = s[1]
-    for i in range(1, angles.size):
-        torques[i] = commit(p, s, angles[i])
-
-
 @njit(cache=True)
 def size(counts):
     return 4 + 3

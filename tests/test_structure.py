@@ -27,9 +27,9 @@ ALLOWED = {
     "reproductions": {"assets", "hysteresis", "identification"},
     "tools": {"assets", "benchmarks", "hysteresis", "identification", "envs", "scripts"},
 }
-# Folders of the source repository that are not installed: speed and honesty, repeated papers,
-# programs for developers, and the readable models that kernels are compared with.
-NOT_INSTALLED = {("benchmarks",), ("reproductions",), ("tools",), ("hysteresis", "references")}
+# Folders of the source repository that are not installed: speed, honesty and the readable models
+# that kernels are compared with; repeated papers; programs for developers.
+NOT_INSTALLED = {("benchmarks",), ("reproductions",), ("tools",)}
 ROOT_MODULES = {
     "arrays",
     "checks",

@@ -4,11 +4,7 @@
 `Backlash` adds play, and `Viscoelastic` adds a torque that depends on the rate.
 """
 
-from .asymmetric import Asymmetric, sprung
-from .backlash import Backlash
-from .clipped import Clipped
-from .viscoelastic import Viscoelastic, without_rate
-from .wrapper import Wrapper
+from .models import Asymmetric, Backlash, Clipped, Viscoelastic, Wrapper, sprung, without_rate
 
 __all__ = [
     "Asymmetric",

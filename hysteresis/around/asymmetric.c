@@ -1,5 +1,5 @@
 /* The model inside, plus a polynomial of the angle: LAYER_p. */
-#include "../polynomial_kernels.c"
+#include "../polynomial.c"
 
 typedef INNER_state LAYER_state;
 

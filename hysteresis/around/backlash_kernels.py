@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ..polynomial_kernels import value_of
+from ..polynomial import value_of
+from ..protocol import stamp_of
 
 GAP, END, SIZE = range(3)
 ZERO = 1e-9  # N·m, largest torque that counts as none
@@ -118,10 +119,11 @@ def follower(kernels: ModuleType) -> Callable[..., Any]:
     The function fills `torques` with the torque along `angles` from the second one on, and moves s
     and `play` with it. At a pole, both stay as they are, and the torque is NaN from there on.
     """
+    version = stamp_of(kernels)
 
     @njit(cache=True)
     def follow(p, s, polynomial, limits, play, angles, torques):
-        for i in range(1, angles.size):
+        for i in range(1, angles.size if version >= 0 else 0):
             if angles[i] == angles[i - 1]:
                 torques[i] = torques[i - 1]
                 continue

@@ -44,18 +44,7 @@ def set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle):
 
 
 @njit(cache=True, error_model="numpy")
-def is_certified(p):
-    """Returns whether z stays finite and the joint only takes energy, in every motion.
-
-    The signs of the branches decide hysteretic beta >= |hysteretic gamma|: neither gains energy.
-    """
-    if p[HYSTERETIC] > 0:
-        return p[LOADING_SIGN] >= 0 and p[UNLOADING_SIGN] <= 0
-    return p[POWER] == 1 and p[LOADING_SIGN] <= 0 and p[UNLOADING_SIGN] >= 0
-
-
-@njit(cache=True, error_model="numpy")
-def travel(p, s, angle):
+def move(p, s, angle):
     """Returns torque, loss and z after a monotone motion to another angle; NaN past a pole."""
     tau = abs(angle - s[ANGLE])
     if not tau < math.inf:
@@ -109,20 +98,11 @@ def begin(p, s, angle, torque):
 
 
 @njit(cache=True, error_model="numpy")
-def move(p, s, angle):
-    """Returns torque and dissipated energy after a monotone motion to `angle`."""
-    if angle == s[ANGLE]:
-        return s[TORQUE], 0.0
-    torque, loss, _ = travel(p, s, angle)
-    return torque, loss
-
-
-@njit(cache=True, error_model="numpy")
 def commit(p, s, angle):
     """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[ANGLE]:
         return s[TORQUE]
-    torque, loss, z = travel(p, s, angle)
+    torque, loss, z = move(p, s, angle)
     if not math.isnan(torque):
         s[ANGLE], s[TORQUE], s[Z] = angle, torque, z
         s[LOSS] += loss
@@ -154,8 +134,14 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, the same for all ranges, and the margin `inside`."""
-    return is_certified(p), inside
+    """Returns whether z stays finite and the joint only takes energy, at all angles, and `inside`.
+
+    The signs of the branches decide hysteretic beta >= |hysteretic gamma|: neither gains energy.
+    """
+    loading, unloading = p[LOADING_SIGN], p[UNLOADING_SIGN]
+    if p[HYSTERETIC] > 0:
+        return loading >= 0 and unloading <= 0, inside
+    return p[POWER] == 1 and loading <= 0 and unloading >= 0, inside
 
 
 @njit(cache=True, error_model="numpy")
@@ -163,13 +149,7 @@ def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     if not (min(p[LOADING_SCALE], p[UNLOADING_SCALE], p[SLOPE]) > 0 and p[POWER] >= 1):
         return False
-    return is_sign(p[LOADING_SIGN]) and is_sign(p[UNLOADING_SIGN])
-
-
-@njit(inline="always", error_model="numpy")
-def is_sign(x):
-    """Returns whether a number is -1, 0 or 1."""
-    return x in (-1, 0, 1)
+    return p[LOADING_SIGN] in (-1, 0, 1) and p[UNLOADING_SIGN] in (-1, 0, 1)
 
 
 @njit(cache=True)
@@ -196,14 +176,3 @@ def configure(values, ends, p):
         return FROM_1_TO_1E6, 5
     set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle)
     return FINE, 0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torque along the angles H, from s; NaN from a pole onwards."""
-    M[0] = s[TORQUE]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return

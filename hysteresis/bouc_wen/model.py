@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,8 +13,7 @@ from ...arrays import Array
 from ...checks import number, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, read_only
+from ..protocol import ConfigKey, HysteresisModel, read_only
 from . import kernels
 
 SHARPEST = kernels.LARGEST_POWER
@@ -53,6 +52,13 @@ class BoucWen(HysteresisModel):
     )
     not_fitted: ClassVar[tuple[str, ...]] = ("A",)
     least: ClassVar[Mapping[str, float]] = {"hysteretic": 0.0, "beta": 0.0, "n": 1.0}
+    units: ClassVar[Mapping[str, str]] = {
+        "elastic": "N·m/rad",
+        "hysteretic": "N·m/rad",
+        "beta": "1/rad^n",
+        "gamma": "1/rad^n",
+        "rest_angle": "rad",
+    }
 
     elastic: float
     hysteretic: float
@@ -220,44 +226,9 @@ class BoucWen(HysteresisModel):
             angle_range=angle_range,
         )
 
-    @property
-    def free_parameters(self) -> int:
-        """How many numbers a fit chooses: all parameters but A, which fits keep at 1."""
-        return len(self.config_keys) - 1
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Units of the parameters, by name; a pure number has no entry."""
-        stiffness, shape = "N·m/rad", "1/rad^n"
-        return {
-            "elastic": stiffness,
-            "hysteretic": stiffness,
-            "beta": shape,
-            "gamma": shape,
-            "rest_angle": "rad",
-        }
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns the model's name and the constructor's arguments, ready for JSON."""
-        return {"model": self.name, **asdict(self)}
-
-    @property
-    def memory_size(self) -> int:
-        """How many numbers the memory holds: angle, torque, loss and z."""
-        return kernels.MEMORY_SIZE
-
     @cached_property
     def parameter_vector(self) -> Array:
         """The parameters, and the scale and sign of both branches, as the kernels read them."""
         p = np.empty(kernels.PARAMETER_SIZE)
-        kernels.set_parameters(
-            p,
-            self.elastic,
-            self.hysteretic,
-            self.A,
-            self.beta,
-            self.gamma,
-            self.n,
-            self.rest_angle,
-        )
+        kernels.set_parameters(p, *self.config().values())
         return read_only(p)

@@ -3,7 +3,7 @@
  * p: stiffness, friction up, friction down, coefficients of the spring
  * s: angle, torque, (not used), friction z
  */
-#include "../polynomial_kernels.c"
+#include "../polynomial.c"
 
 static inline as_real as_dahl_commit(const as_real *p, int size, as_real *s, as_real angle)
 {

@@ -15,7 +15,7 @@ import math
 
 from numba import njit
 
-from ..polynomial_kernels import slope_of, value_of, work_of
+from ..polynomial import slope_of, value_of, work_of
 
 STIFFNESS, UP, DOWN, SPRING = range(4)
 ANGLE, TORQUE, LOSS, Z = range(4)
@@ -37,7 +37,7 @@ def least_area(x):
 
 
 @njit(cache=True, error_model="numpy")
-def travel(p, s, angle):
+def move(p, s, angle):
     """Returns torque, loss and z after a monotone motion; NaN where they are not finite."""
     moved = abs(angle - s[ANGLE])
     limit = p[UP] if angle > s[ANGLE] else -p[DOWN]
@@ -68,20 +68,11 @@ def begin(p, s, angle, torque):
 
 
 @njit(cache=True, error_model="numpy")
-def move(p, s, angle):
-    """Returns torque and dissipated energy after a monotone motion to `angle`."""
-    if angle == s[ANGLE]:
-        return s[TORQUE], 0.0
-    torque, loss, _ = travel(p, s, angle)
-    return torque, loss
-
-
-@njit(cache=True, error_model="numpy")
 def commit(p, s, angle):
     """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[ANGLE]:
         return s[TORQUE]
-    torque, loss, z = travel(p, s, angle)
+    torque, loss, z = move(p, s, angle)
     if not math.isnan(torque):
         s[ANGLE], s[TORQUE], s[Z] = angle, torque, z
         s[LOSS] += loss
@@ -145,14 +136,3 @@ def configure(values, ends, p):
     p[STIFFNESS], p[UP], p[DOWN] = values[count], values[count + 1], values[-1]
     p[SPRING:] = values[:count]
     return FINE, 0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torque along the angles H, from s; NaN from a failure onwards."""
-    M[0] = s[TORQUE]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return

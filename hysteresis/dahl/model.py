@@ -1,24 +1,24 @@
 """Dahl's friction and the semilinear Duhem model, each beside a polynomial spring."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.polynomial import polynomial as poly
 
 from ...arrays import Array
-from ...checks import number, scales
+from ...checks import number
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
-from ..polynomial import UNIT, coefficients, extremes, rescaled
-from ..protocol import HysteresisModel, Numbers, read_only
+from ..polynomial import coefficients, extremes
+from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers, read_only
 from . import kernels
 
 KEYS = (ConfigKey("spring", "list"), ConfigKey("stiffness"))
+UNITS = {"spring": POLYNOMIAL, "stiffness": "N·m/rad"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,21 +50,6 @@ class Semilinear(HysteresisModel):
         up, *_, down = 2 * [*self._frictions.values()]
         return read_only([self.stiffness, up, down, *self.spring])
 
-    @property
-    def memory_size(self) -> int:
-        """How many numbers the memory holds: angle, torque, loss and z."""
-        return kernels.MEMORY_SIZE
-
-    @property
-    def free_parameters(self) -> int:
-        """How many numbers a fit chooses, which are all."""
-        return len(self.spring) + 1 + len(self._frictions)
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Units of the parameters, by name; a pure number has no entry."""
-        return {"spring": UNIT, "stiffness": "N·m/rad"} | dict.fromkeys(self._frictions, "N·m")
-
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """States what holds for every motion, whatever the parameters.
 
@@ -93,21 +78,6 @@ class Semilinear(HysteresisModel):
         spring = float(poly.polyval(memory[kernels.ANGLE], np.array(self.spring)))
         return self._at_torque(spring + z, memory, parameters)
 
-    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Semilinear":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
-        scales(torque=torque, angle=angle)
-        frictions: dict[str, Any] = {name: F * torque for name, F in self._frictions.items()}
-        return replace(
-            self,
-            spring=rescaled(self.spring, torque, angle),
-            stiffness=self.stiffness * torque / angle,
-            **frictions,
-        )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
-        return {"model": self.name, **asdict(self), "spring": list(self.spring)}
-
 
 @dataclass(frozen=True, kw_only=True)
 class Dahl(Semilinear):
@@ -128,6 +98,7 @@ class Dahl(Semilinear):
     name: ClassVar[str] = "dahl"
     config_keys: ClassVar[tuple[ConfigKey, ...]] = (*KEYS, ConfigKey("friction"))
     least: ClassVar[Mapping[str, float]] = {"stiffness": 0.0, "friction": 0.0}
+    units: ClassVar[Mapping[str, str]] = {**UNITS, "friction": "N·m"}
 
     friction: float
 
@@ -157,11 +128,10 @@ class Duhem(Semilinear):
         ConfigKey("friction_up"),
         ConfigKey("friction_down"),
     )
-    least: ClassVar[Mapping[str, float]] = {
-        "stiffness": 0.0,
-        "friction_up": 0.0,
-        "friction_down": 0.0,
-    }
+    least: ClassVar[Mapping[str, float]] = dict.fromkeys(
+        ("stiffness", "friction_up", "friction_down"), 0.0
+    )
+    units: ClassVar[Mapping[str, str]] = {**UNITS, "friction_up": "N·m", "friction_down": "N·m"}
 
     friction_up: float
     friction_down: float

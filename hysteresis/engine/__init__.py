@@ -39,7 +39,7 @@ Without the import, MuJoCo 4.0 ends the process by a segmentation fault where th
 
 from . import native
 from ._attach import attach, fault_slots, replace_model, same_layout, take_off
-from ._plugins import register
+from ._callbacks import register
 
 PLUGIN_NAMES = tuple(register())
 """The plugins that this module registers."""

@@ -18,16 +18,8 @@ from ..around import viscoelastic_kernels as viscoelastic
 from ..protocol import HysteresisModel, State, follow, read_only
 from ..registry import MODELS
 from ..safety import require_certificate
-from ._faults import (
-    ANGLE_RANGE,
-    GAP,
-    POLYNOMIAL,
-    START_ANGLE,
-    START_PATH,
-    START_TORQUE,
-    VISCOELASTIC,
-)
-from ._plugins import plugin_name, register
+from . import _configuration as keys
+from ._callbacks import plugin_name, register
 from ._state import FAULT, MEMORY, OFF
 from .native import compile_plugin
 
@@ -296,9 +288,9 @@ def _layout(model: HysteresisModel) -> tuple[int, ...]:
 def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
     """Returns the layout of a compiled instance; its config has the parts around the model."""
     values = _compiled_config(mj_model, instance)
-    polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
-    rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
-    around = polynomial, limits, rate, backlash.SIZE if values[GAP] else 0
+    polynomial, limits = (len(values[key].split()) for key in (keys.POLYNOMIAL, keys.ANGLE_RANGE))
+    rate = viscoelastic.SIZE if values[keys.VISCOELASTIC] else 0
+    around = polynomial, limits, rate, backlash.SIZE if values[keys.GAP] else 0
     own = int(mj_model.plugin_statenum[instance]) - MEMORY - sum(around)
     return int(mj_model.plugin[instance]), own, *around
 
@@ -327,8 +319,12 @@ def _compiled_start(
     """Returns angle [rad] and torque [N·m] at which an instance's memory starts, and its path."""
     values = _compiled_config(mj_model, instance)
     reference = float(mj_model.joint(joint).qpos0[0])
-    path = [float(angle) for angle in values[START_PATH].split()]
-    return float(values[START_ANGLE] or reference), float(values[START_TORQUE] or 0.0), path
+    path = [float(angle) for angle in values[keys.START_PATH].split()]
+    return (
+        float(values[keys.START_ANGLE] or reference),
+        float(values[keys.START_TORQUE] or 0.0),
+        path,
+    )
 
 
 def _require_model(model: object) -> None:

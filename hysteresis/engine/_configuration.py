@@ -1,7 +1,9 @@
 """Sets an instance up from its MJCF config: its joint, sensors, parameters and memory.
 
 `kernels` is the module of the model's kernels; `kinds` and `words` say what the model's own config
-keys hold, in the order of the keys.
+keys hold, in the order of the keys. A fault is a reason and the config key that it is about:
+`JOINT` where it is about the instance as a whole. Reasons from `MODEL` on are the model's own
+complaints (`COMPLAINTS` of its kernels).
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -14,124 +16,118 @@ from numba import njit
 from ...kernels import inner
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
-from ..polynomial_kernels import value_of
-from ._faults import (
-    ABOVE_0,
-    ALLOW,
-    ANGLE_RANGE,
-    COMMON_KEYS,
-    FAR_START,
-    FINE,
-    FIRST_KEY,
-    FLAG,
-    GAP,
-    JOINT,
-    JOINT_TWICE,
-    JOINT_TYPE,
-    MODEL,
-    NO_JOINT,
-    NO_PATH,
-    NO_START,
-    NUMBER,
-    NUMBERS,
-    POLYNOMIAL,
-    RANGE,
-    SENSOR_NAME,
-    SENSOR_TWICE,
-    START_ANGLE,
-    START_PATH,
-    TAKEN_OFF,
-    THREE,
-    TOO_LARGE,
-    TOO_MANY,
-    UNCERTIFIED,
-    VISCOELASTIC,
-    WORD,
+from ..polynomial import value_of
+from . import _state as state
+from . import native
+from ._state import LARGEST, MEMORY, POLYNOMIAL_LIMIT, joint_of, parts
+
+# Config keys of every model; the model's own follow. All numbers are NumPy's: for each number of
+# Python numba would compile functions anew.
+COMMON_KEYS = tuple(
+    "joint start_angle start_torque start_path polynomial angle_range viscoelastic gap "
+    "allow_uncertified taken_off".split()
 )
-from ._state import (
-    HELD_SHIFT,
-    LARGEST,
-    MEMORY,
-    OFF,
-    PLAY_SHIFT,
-    POLYNOMIAL_LIMIT,
-    POLYNOMIAL_SHIFT,
-    SENSORS,
-    TORQUE_SENSOR,
-    VISCOELASTIC_SHIFT,
-    WIDTH,
-    joint_of,
-    parts,
+JOINT, START_ANGLE, START_TORQUE, START_PATH, POLYNOMIAL, ANGLE_RANGE = np.arange(6)
+VISCOELASTIC, GAP, ALLOW, TAKEN_OFF, FIRST_KEY = np.arange(6, 11)
+
+FINE, NO_JOINT, JOINT_TYPE, JOINT_TWICE, NUMBER, NUMBERS, WORD, TOO_MANY, RANGE = np.arange(9)
+THREE, ABOVE_0, FLAG, UNCERTIFIED, FAR_START, NO_START, NO_PATH = np.arange(9, 16)
+SENSOR_NAME, SENSOR_TWICE, TOO_LARGE, POLE = np.arange(16, 20)
+SENTENCES = (  # order of the names above
+    b"",
+    b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
+    b"after a spec got its name prefix",
+    b"it is not a hinge or a slide joint; name one",
+    b"another instance resists it already; give each joint one, and take the others off",
+    b"give one number, 0 or 1e-100 to 1e100 in size",
+    b"give numbers, 0 or 1e-100 to 1e100 in size, with blanks between them",
+    b"use ",
+    b"give at most 6 coefficients (of angle to the 0 to 5)",
+    b"give lowest and highest angle, two ascending numbers",
+    b"give damping, relaxation stiffness and relaxation time, three numbers of at least 0, the "
+    b"time above 0 where there is a stiffness",
+    b"give one number above 0, the angle by which the joint moves freely",
+    b"use true or false",
+    b"its parameters have no certificate (a motion could meet infinite torque, or "
+    b"gain energy); set allow_uncertified to true to run anyway",
+    b"it starts too far from rest for the certificate; change start_angle or start_torque",
+    b"it cannot have start_torque at start_angle; start nearer to 0",
+    b"its torque becomes infinite on the way; stay nearer to the start",
+    b"the name of each of its sensors must end in torque, stiffness or energy, "
+    b"which is what it measures",
+    b"two of its sensors measure the same; leave one out",
+    b"the model has more than 16383 joints or sensors; make it smaller",
+    b"its torque met a pole (or the parameters in its state are out of range); the torque stays "
+    b"at its last valid value, and the fault flag is set",
 )
-from .native import (
-    FOUND,
-    UNKNOWN,
-    choice_of,
-    config,
-    count_words,
-    doubles,
-    equals,
-    int32_at,
-    key_name,
-    length,
-    name2id,
-    pack_sensors,
-    parse_numbers,
-    plugin_name,
-    pointer_at,
-    starts_with,
-)
+MODEL = len(SENTENCES)
 
 # Kinds of config keys. The number of an optional kind is `OPTIONAL` more.
 A_NUMBER, A_LIST, A_WORD, OPTIONAL = 0, 1, 2, 3
 SECOND_COMMON_KEY = COMMON_KEYS[1].encode()
 
 
+@inner(cache=False)
+def complain_of(kernels, words, m, instance, fault, at):
+    """Issues the sentence of a fault as a MuJoCo warning."""
+    reason, key = fault
+    sentence, n = native.begin_complaint(m, instance, b"joint", JOINT, key, at)
+    if reason >= MODEL:
+        n = native.add(sentence, n, kernels.COMPLAINTS[reason - MODEL])
+    else:
+        n = native.add(sentence, n, SENTENCES[reason])
+    if reason == WORD:
+        n = native.add_choices(sentence, n, words[key - FIRST_KEY])
+    native.issue(sentence)
+
+
 @inner
 def is_hysteretic(m, instance, at):
     """Returns whether an instance has a hysteresis plugin: the config keys of all begin alike."""
-    if not starts_with(plugin_name(m, instance, at), b"activesuit."):
+    if not native.starts_with(native.plugin_name(m, instance, at), b"activesuit."):
         return False
-    return equals(key_name(m, instance, JOINT, at), b"joint") and equals(
-        key_name(m, instance, START_ANGLE, at), SECOND_COMMON_KEY
+    return native.equals(native.key_name(m, instance, JOINT, at), b"joint") and native.equals(
+        native.key_name(m, instance, START_ANGLE, at), SECOND_COMMON_KEY
     )
 
 
 @inner
 def polynomial_size(m, instance, at):
     """Returns how many coefficients an instance's elastic polynomial has."""
-    return min(count_words(config(m, instance, POLYNOMIAL, at)), POLYNOMIAL_LIMIT)
+    return min(native.count_words(native.config(m, instance, POLYNOMIAL, at)), POLYNOMIAL_LIMIT)
 
 
 @inner
 def is_given(m, instance, key, at):
     """Returns 1 if an instance gives a value of a key, else 0."""
-    return 1 if count_words(config(m, instance, key, at)) > 0 else 0
+    return 1 if native.count_words(native.config(m, instance, key, at)) > 0 else 0
 
 
 @inner
 def connect(m, instance, at):
     """Returns (fault, packed ids of the joint and of this instance's sensors)."""
-    if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
+    if max(native.pointer_at(m + at.m_njnt), native.pointer_at(m + at.m_nsensor)) >= LARGEST:
         return (TOO_LARGE, JOINT), 0
-    joint = name2id(m, at.mjOBJ_JOINT, config(m, instance, JOINT, at))
+    joint = native.name2id(m, at.mjOBJ_JOINT, native.config(m, instance, JOINT, at))
     if joint < 0:
         return (NO_JOINT, JOINT), 0
-    joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
+    joint_type = native.int32_at(native.pointer_at(m + at.m_jnt_type), joint)
     if joint_type not in (at.mjJNT_SLIDE, at.mjJNT_HINGE):
         return (JOINT_TYPE, JOINT), 0
     for other in range(instance):
-        same = name2id(m, at.mjOBJ_JOINT, config(m, other, JOINT, at)) == joint
+        same = native.name2id(m, at.mjOBJ_JOINT, native.config(m, other, JOINT, at)) == joint
         both = same and is_hysteretic(m, other, at)
         if both and not (flag_of(m, instance, TAKEN_OFF, at) or flag_of(m, other, TAKEN_OFF, at)):
             return (JOINT_TWICE, JOINT), 0
-    ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
-    ids |= is_given(m, instance, ANGLE_RANGE, at) << HELD_SHIFT
-    ids |= is_given(m, instance, VISCOELASTIC, at) << VISCOELASTIC_SHIFT
-    ids |= is_given(m, instance, GAP, at) << PLAY_SHIFT
-    outcome, ids = pack_sensors(m, instance, ids, TORQUE_SENSOR, WIDTH, SENSORS, at)
-    if outcome != FOUND:
-        return (SENSOR_NAME if outcome == UNKNOWN else SENSOR_TWICE, JOINT), 0
+    ids = joint | polynomial_size(m, instance, at) << state.POLYNOMIAL_SHIFT
+    ids |= is_given(m, instance, ANGLE_RANGE, at) << state.HELD_SHIFT
+    ids |= is_given(m, instance, VISCOELASTIC, at) << state.VISCOELASTIC_SHIFT
+    ids |= is_given(m, instance, GAP, at) << state.PLAY_SHIFT
+    outcome, ids = native.pack_sensors(
+        m, instance, ids, state.TORQUE_SENSOR, state.WIDTH, state.SENSORS, at
+    )
+    if outcome != native.FOUND:
+        return (SENSOR_NAME if outcome == native.UNKNOWN else SENSOR_TWICE, JOINT), 0
     return (FINE, JOINT), ids
 
 
@@ -140,7 +136,9 @@ def count_values(m, instance, kinds, counts, at):
     """Fills `counts` with how many values each of the model's own keys has."""
     for i in range(len(kinds)):
         is_list = kinds[i] % OPTIONAL == A_LIST
-        counts[i] = count_words(config(m, instance, FIRST_KEY + i, at)) if is_list else 1
+        counts[i] = (
+            native.count_words(native.config(m, instance, FIRST_KEY + i, at)) if is_list else 1
+        )
 
 
 @njit(inline="always")
@@ -159,17 +157,20 @@ def read_values(m, instance, kinds, words, counts, values, at):
     """Fills `values` with the values of all keys, one key after the other; returns a fault."""
     start = 0
     for i in range(len(kinds)):
-        text, part = config(m, instance, FIRST_KEY + i, at), values[start : start + counts[i]]
+        text, part = (
+            native.config(m, instance, FIRST_KEY + i, at),
+            values[start : start + counts[i]],
+        )
         start += counts[i]
         kind = kinds[i] % OPTIONAL
         part[:] = 0.0
-        if kinds[i] >= OPTIONAL and count_words(text) == 0:
+        if kinds[i] >= OPTIONAL and native.count_words(text) == 0:
             continue
         if kind == A_WORD:
-            part[0] = choice_of(text, words[i])
+            part[0] = native.choice_of(text, words[i])
             if part[0] < 0:
                 return WORD, FIRST_KEY + i
-        elif parse_numbers(text, part) != (1 if kind == A_NUMBER else max(part.size, 1)):
+        elif native.parse_numbers(text, part) != (1 if kind == A_NUMBER else max(part.size, 1)):
             return NUMBER if kind == A_NUMBER else NUMBERS, FIRST_KEY + i
     return FINE, JOINT
 
@@ -191,72 +192,50 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
         if complaint != FINE:
             fault = (MODEL + complaint, FIRST_KEY + key)
     if fault[0] == FINE:
-        fault = read_polynomial(m, instance, polynomial, at)
-    if fault[0] == FINE:
-        fault = read_range(m, instance, limits, at)
-    if fault[0] == FINE:
-        fault = read_viscoelastic(m, instance, rate, at)
-    if fault[0] == FINE:
-        fault = read_gap(m, instance, play, at)
+        fault = read_around(m, instance, polynomial, limits, rate, play, at)
     if fault[0] == FINE:
         fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, play, at)
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) < 0:
         fault = (FLAG, TAKEN_OFF)
     flag[0] = fault[0] != FINE
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) == 1:
-        flag[0] = OFF
+        flag[0] = state.OFF
     return fault
 
 
 @inner
-def read_polynomial(m, instance, polynomial, at):
-    """Reads the coefficients of the elastic polynomial, if there are any; returns a fault."""
-    count = parse_numbers(config(m, instance, POLYNOMIAL, at), polynomial)
-    if count < 0:
-        return NUMBERS, POLYNOMIAL
-    return FINE if count <= POLYNOMIAL_LIMIT else TOO_MANY, POLYNOMIAL
-
-
-@inner
-def read_range(m, instance, limits, at):
-    """Reads the range outside which the torque is constant, if there is one; returns a fault."""
-    if limits.size == 0:
-        return FINE, JOINT
-    count = parse_numbers(config(m, instance, ANGLE_RANGE, at), limits)
-    return FINE if count == 2 and limits[0] < limits[1] else RANGE, ANGLE_RANGE
-
-
-@inner
-def read_viscoelastic(m, instance, rate, at):
-    """Reads the numbers of the viscoelastic part, if there is one; returns a fault."""
-    if rate.size == 0:
-        return FINE, JOINT
-    rate[:] = 0.0
-    given = rate[: viscoelastic.NUMBERS]
-    count = parse_numbers(config(m, instance, VISCOELASTIC, at), given)
-    sound = count == viscoelastic.NUMBERS and viscoelastic.is_sound(rate)
-    return FINE if sound else THREE, VISCOELASTIC
-
-
-@inner
-def read_gap(m, instance, play, at):
-    """Reads the gap of the play, if there is one; returns a fault."""
-    if play.size == 0:
-        return FINE, JOINT
-    play[:] = 0.0
-    count = parse_numbers(config(m, instance, GAP, at), play[: backlash.END])
-    return FINE if count == 1 and backlash.is_sound(play) else ABOVE_0, GAP
+def read_around(m, instance, polynomial, limits, rate, play, at):
+    """Reads the numbers of what is around the model, each part if there is one; returns a fault."""
+    count = native.parse_numbers(native.config(m, instance, POLYNOMIAL, at), polynomial)
+    if not 0 <= count <= POLYNOMIAL_LIMIT:
+        return NUMBERS if count < 0 else TOO_MANY, POLYNOMIAL
+    if limits.size > 0:
+        count = native.parse_numbers(native.config(m, instance, ANGLE_RANGE, at), limits)
+        if not (count == 2 and limits[0] < limits[1]):
+            return RANGE, ANGLE_RANGE
+    if rate.size > 0:
+        rate[:] = 0.0
+        given = rate[: viscoelastic.NUMBERS]
+        count = native.parse_numbers(native.config(m, instance, VISCOELASTIC, at), given)
+        if not (count == viscoelastic.NUMBERS and viscoelastic.is_sound(rate)):
+            return THREE, VISCOELASTIC
+    if play.size > 0:
+        play[:] = 0.0
+        count = native.parse_numbers(native.config(m, instance, GAP, at), play[: backlash.END])
+        if not (count == 1 and backlash.is_sound(play)):
+            return ABOVE_0, GAP
+    return FINE, JOINT
 
 
 @inner
 def read_start(m, instance, joint, at):
     """Reads the start; returns (fault, angle, torque), by default qpos0 of the joint and 0."""
-    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
+    qpos = native.int32_at(native.pointer_at(m + at.m_jnt_qposadr), joint)
     found = np.zeros(2)
-    found[0] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
+    found[0] = native.doubles(native.pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
     for i in range(2):
-        text = config(m, instance, START_ANGLE + i, at)
-        if count_words(text) > 0 and parse_numbers(text, found[i : i + 1]) != 1:
+        text = native.config(m, instance, START_ANGLE + i, at)
+        if native.count_words(text) > 0 and native.parse_numbers(text, found[i : i + 1]) != 1:
             return (NUMBER, START_ANGLE + i), 0.0, 0.0
     return (FINE, JOINT), found[0], found[1]
 
@@ -264,8 +243,8 @@ def read_start(m, instance, joint, at):
 @inner
 def flag_of(m, instance, key, at):
     """Reads a key that may be true or false: 1, 0, or -1 for another word."""
-    text = config(m, instance, key, at)
-    return 0 if length(text) == 0 else choice_of(text, b"false true")
+    text = native.config(m, instance, key, at)
+    return 0 if native.length(text) == 0 else native.choice_of(text, b"false true")
 
 
 @njit(inline="always")
@@ -297,8 +276,8 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
         return NO_START, JOINT
     if not (allowed == 1 or inside >= 0):
         return FAR_START, JOINT
-    path = np.empty(count_words(config(m, instance, START_PATH, at)))
-    if parse_numbers(config(m, instance, START_PATH, at), path) != path.size:
+    path = np.empty(native.count_words(native.config(m, instance, START_PATH, at)))
+    if native.parse_numbers(native.config(m, instance, START_PATH, at), path) != path.size:
         return NUMBERS, START_PATH
     for end in path:
         turn = min(max(end, low), high)

@@ -1,4 +1,4 @@
-"""Places of an instance's state and ids in mjData.
+"""Places of an instance's state and ids in mjData, and of the fields of MuJoCo that it reads.
 
 `mjData.plugin_state` holds the physical state: fault flag, memory, parameters (radians), the
 elastic polynomial, the range, the viscoelastic part and the play. They are saved, copied and
@@ -7,6 +7,8 @@ what follows from the MuJoCo model: the ids of the joint and of the sensors, pac
 integer. A state may be set on any MuJoCo model: the ids always fit the model at hand, and so do the
 sizes, which come from mjModel.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -29,6 +31,44 @@ SENSORS = b"torque stiffness energy"  # endings of the names of sensors, from `T
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = map(np.int64, (1, 2, 3))
 POLYNOMIAL_SHIFT, HELD_SHIFT, VISCOELASTIC_SHIFT = 4 * BITS, 4 * BITS + 3, 4 * BITS + 4
 PLAY_SHIFT = 4 * BITS + 5
+
+
+class Layout(NamedTuple):
+    """Byte offsets of fields in mjModel (m_) and mjData (d_), and values of some enums.
+
+    `stamp` distinguishes versions of a model's kernels and of the engine, so that numba's cache
+    does not give back machine code of an older version.
+    """
+
+    m_opt__timestep: int
+    m_nsensor: int
+    m_njnt: int
+    m_jnt_type: int
+    m_jnt_qposadr: int
+    m_jnt_dofadr: int
+    m_qpos0: int
+    m_sensor_type: int
+    m_sensor_plugin: int
+    m_sensor_adr: int
+    m_plugin: int
+    m_plugin_stateadr: int
+    m_plugin_statenum: int
+    m_plugin_attr: int
+    m_plugin_attradr: int
+    m_names: int
+    m_name_sensoradr: int
+    d_qpos: int
+    d_qvel: int
+    d_qfrc_passive: int
+    d_sensordata: int
+    d_plugin_state: int
+    d_plugin_data: int
+    mjOBJ_JOINT: int
+    mjJNT_SLIDE: int
+    mjJNT_HINGE: int
+    mjSENS_PLUGIN: int
+    mjPLUGIN_PASSIVE: int
+    stamp: int = 0
 
 
 @njit(inline="always")

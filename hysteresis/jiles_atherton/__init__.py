@@ -5,9 +5,8 @@ derivatives. `_bulk` has the exact step behind them, `_forms` the other equation
 `margins` the certificate, and `coordinates` those in which a search stays certified.
 """
 
-from .model import PARAMETERS, UNIT_PER_RADIAN, AngleUnit, JilesAtherton
-from .nearest import Nearest, nearest_certified
-from .table_2 import TABLE_2
+from .coordinates import Nearest, nearest_certified
+from .model import PARAMETERS, TABLE_2, UNIT_PER_RADIAN, AngleUnit, JilesAtherton
 
 __all__ = [
     "PARAMETERS",

@@ -100,9 +100,7 @@ def other_form(p, s, angle):
 
 @njit(cache=True, error_model="numpy")
 def move(p, s, angle):
-    """Returns torque and loss after a monotone motion to `angle`."""
-    if angle == s[ANGLE]:
-        return s[TORQUE], 0.0
+    """Returns torque and loss after a monotone motion to another angle."""
     if not is_exact(p):
         return other_form(p, s, angle)
     _, lag, man, _, _ = travel(p, s, angle)
@@ -156,17 +154,6 @@ def stored(p, s, angle, torque, loss):
 def dissipated(p, s, angle, torque, loss):
     """Returns the dissipated energy: the loss less what a motion could still get back."""
     return s[LOSS] + loss - recoverable(p, angle, torque)
-
-
-@njit(cache=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torque along the angles H, from s; NaN from a pole onwards."""
-    M[0] = s[TORQUE]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return
 
 
 @njit(cache=True, error_model="numpy")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
@@ -10,11 +10,11 @@ from typing import Any, ClassVar, Literal, get_args
 import numpy as np
 
 from ...arrays import Array
-from ...checks import number, scales
+from ...checks import number
 from ...errors import InputError
+from ...published import LI_TABLE_2
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, State, read_only
+from ..protocol import ConfigKey, HysteresisModel, State, read_only
 from . import kernels
 from ._forms import CLAMPS, FORMS
 from .margins import margin_everywhere, margin_in_range
@@ -57,8 +57,6 @@ class JilesAtherton(HysteresisModel):
 
     name: ClassVar[str] = "jiles-atherton"
     kernels: ClassVar[Any] = kernels
-    memory_size: ClassVar[int] = kernels.MEMORY_SIZE  # type: ignore[override]
-    free_parameters: ClassVar[int] = len(PARAMETERS)  # type: ignore[override]
     config_keys: ClassVar[tuple[ConfigKey, ...]] = (
         *map(ConfigKey, PARAMETERS),
         ConfigKey("angle_unit", "word", get_args(AngleUnit)),
@@ -178,21 +176,6 @@ class JilesAtherton(HysteresisModel):
         torque = self._covered(float(memory[kernels.ANGLE]), torque)
         return self._at_torque(torque, memory, parameters)
 
-    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "JilesAtherton":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        This is exact for any motion: Ms -> torque Ms, alpha -> alpha / torque (with torque = P / P0
-        it is the pressure scaling of the volume effect); a, k and alpha -> angle times as much.
-        """
-        scales(torque=torque, angle=angle)
-        return replace(
-            self,
-            Ms=self.Ms * torque,
-            a=self.a * angle,
-            k=self.k * angle,
-            alpha=self.alpha * angle / torque,
-        )
-
     def in_unit(self, angle_unit: AngleUnit) -> "JilesAtherton":
         """Returns the same model with a, k and alpha expressed in `angle_unit`."""
         if angle_unit not in UNIT_PER_RADIAN:
@@ -207,15 +190,22 @@ class JilesAtherton(HysteresisModel):
         return {"Ms": 0.0, "a": 0.0, "c": lowest, "k": 0.0}
 
     @property
-    def units(self) -> dict[str, str]:
+    def units(self) -> Mapping[str, str]:  # type: ignore[override]
         """Units of the parameters, by name; a pure number has no entry."""
         unit = self.angle_unit
         return {"Ms": "N·m", "a": unit, "alpha": f"{unit}/N·m", "k": unit}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; most defaults are left out."""
-        content = asdict(self)
+        content = super().to_dict()
         for field in fields(self):
             if content[field.name] == field.default and field.name != "angle_unit":
                 del content[field.name]
-        return {"model": self.name, **content}
+        return content
+
+
+TABLE_2: dict[str, JilesAtherton] = {
+    name: JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    for name, (Ms, a, alpha, c, k) in LI_TABLE_2.items()
+}
+"""Suit joints as identified by Li et al. 2022, Table 2: by joint and optimizer, in degrees."""

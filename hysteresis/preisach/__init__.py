@@ -1,4 +1,4 @@
-"""The Preisach model: the class, its kernels, and the sums that they read (`_tables`)."""
+"""The Preisach model: the class and its kernels."""
 
 from .model import Preisach
 

@@ -24,8 +24,7 @@ import math
 import numpy as np
 from numba import njit
 
-from ._tables import CELL, HEADER, SEGMENT, parameter_size, set_parameters
-
+HEADER, SEGMENT, CELL = 3, 7, 8  # numbers in p: first ones, of a segment, of a cell
 CAPACITY = 64  # even: branch 64 rises, so that `walk` checks only whether a fall passes its base
 FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
 COMPLAINTS = (
@@ -38,6 +37,91 @@ RELAYS, COUNT, BRANCH_LOSS, RECORDS = 3, 4, 5, 6
 MEMORY_SIZE = RECORDS + 2 * (CAPACITY + 1)
 LEVEL, WIDTH, PER_WIDTH, DIAGONAL, TORQUE, SLOPE, ENERGY = range(SEGMENT)
 OWN, ROW, COLUMN, TRIANGLE, ROW_LOSS, COLUMN_LOSS, TRIANGLE_LOSS, TRIANGLE_MOMENT = range(CELL)
+
+
+@njit(cache=True)
+def parameter_size(segments):
+    """Returns how many numbers the parameter vector of so many segments has."""
+    return HEADER + SEGMENT * segments + CELL * (segments * (segments - 1) // 2)
+
+
+def total_weight(p):
+    """Returns the sum of all |weights| of a parameter vector [N·m]."""
+    cells = HEADER + SEGMENT * int(p[0])
+    return float(np.abs(p[HEADER + 3 : cells : SEGMENT]).sum() + np.abs(p[cells::CELL]).sum())
+
+
+@njit(cache=True)
+def set_parameters(p, levels, density, elastic):
+    """Fills the parameter vector p.
+
+    Args:
+        p: Result, `parameter_size` numbers.
+        levels: Increasing angles [rad], n + 1 numbers.
+        density: Rows of weights [N·m], one after the other, n (n + 1) / 2 numbers.
+        elastic: Slope of the elastic part in each segment [N·m/rad], n numbers.
+    """
+    n = elastic.size
+    weight = np.zeros((n, n))
+    for i in range(n):
+        weight[i, : i + 1] = density[i * (i + 1) // 2 : (i + 1) * (i + 2) // 2]
+    p[0], p[1], p[2] = n, levels[0], levels[n]
+    torque = energy = 0.0
+    for i in range(n):
+        width = levels[i + 1] - levels[i]
+        row = p[HEADER + SEGMENT * i : HEADER + SEGMENT * (i + 1)]
+        row[0], row[1], row[2], row[3] = levels[i], width, 1 / width, weight[i, i]
+        row[4], row[5], row[6] = torque, elastic[i], energy
+        energy += (torque + elastic[i] * width / 2) * width
+        torque += elastic[i] * width
+    set_cells(p, levels, weight)
+
+
+@njit(cache=True)
+def set_cells(p, levels, weight):
+    """Fills the rows of the cells (i, j), j < i."""
+    n = weight.shape[0]
+    start, end = levels[:-1], levels[1:]
+    middle = (start + end) / 2
+    apart, row_loss, column_loss = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+    loss, moment = np.zeros((n, n)), np.zeros((n, n))
+    for i in range(n):
+        loss[i, i] = weight[i, i] * (end[i] - start[i]) / 6
+        moment[i, i] = weight[i, i] * (middle[i] - levels[0])
+        for j in range(i):
+            apart[i, j] = weight[i, j]
+            row_loss[i, j] = weight[i, j] * (start[i] - middle[j]) / 2
+            column_loss[i, j] = weight[i, j] * (middle[i] - end[j]) / 2
+            loss[i, j] = weight[i, j] * (middle[i] - middle[j]) / 2
+            moment[i, j] = weight[i, j] * ((middle[i] + middle[j]) / 2 - levels[0])
+    row, column, triangle = sum_row(apart), sum_column(apart), sum_column(sum_row(weight))
+    row_loss, column_loss = sum_row(row_loss), sum_column(column_loss)
+    loss, moment = sum_column(sum_row(loss)), sum_column(sum_row(moment))
+    at = HEADER + SEGMENT * n
+    for i in range(n):
+        for j in range(i):
+            p[at], p[at + 1], p[at + 2] = apart[i, j], row[i, j], column[i, j]
+            p[at + 3], p[at + 4], p[at + 5] = triangle[i, j], row_loss[i, j], column_loss[i, j]
+            p[at + 6], p[at + 7] = loss[i, j], moment[i, j]
+            at += CELL
+
+
+@njit(cache=True)
+def sum_row(values):
+    """Returns for each cell the sum of its row to the right of it."""
+    sums = np.zeros_like(values)
+    for j in range(values.shape[1] - 2, -1, -1):
+        sums[:, j] = sums[:, j + 1] + values[:, j + 1]
+    return sums
+
+
+@njit(cache=True)
+def sum_column(values):
+    """Returns for each cell the sum of its column in the rows of smaller index."""
+    sums = np.zeros_like(values)
+    for i in range(1, values.shape[0]):
+        sums[i] = sums[i - 1] + values[i - 1]
+    return sums
 
 
 @njit(inline="always", error_model="numpy")
@@ -192,19 +276,6 @@ def total(p, angle, relays):
 
 
 @njit(cache=True, error_model="numpy")
-def is_certified(p):
-    """Returns whether no motion gains energy: no weight is negative."""
-    n = int(p[0])
-    for i in range(n):
-        if p[HEADER + SEGMENT * i + DIAGONAL] < 0:
-            return False
-        for j in range(i):
-            if p[cell_row(p, i, j) + OWN] < 0:
-                return False
-    return True
-
-
-@njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
     """Starts a motion as if the angle had come up from below the lowest level."""
     s[:] = 0.0
@@ -220,9 +291,7 @@ def begin(p, s, angle, torque):
 
 @njit(cache=True, error_model="numpy")
 def move(p, s, angle):
-    """Returns (torque, loss) after a monotone motion from the memory to `angle`."""
-    if angle == s[0]:
-        return s[1], 0.0
+    """Returns (torque, loss) after a monotone motion from the memory to another angle."""
     if not math.isfinite(angle):
         return math.nan, 0.0
     _, relays, lost, _ = walk(p, s, angle)
@@ -311,8 +380,12 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, the same for all ranges, and the margin `inside`."""
-    return is_certified(p), inside
+    """Returns whether no motion gains energy, as no weight is negative, and the margin `inside`."""
+    cells = HEADER + SEGMENT * int(p[0])
+    least = p[HEADER + DIAGONAL : cells : SEGMENT].min()
+    if p.size > cells:
+        least = min(least, p[cells + OWN :: CELL].min())
+    return least >= 0, inside
 
 
 @njit(cache=True)
@@ -352,14 +425,3 @@ def configure(values, ends, p):
         return AS_MANY, 2
     set_parameters(p, levels, density, slopes)
     return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torques along the angles H, from s; NaN from a failure onwards."""
-    M[0] = s[1]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return

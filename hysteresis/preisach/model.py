@@ -10,13 +10,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arrays import Array
-from ...checks import numbers, scales
+from ...checks import numbers
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..config import ConfigKey
-from ..protocol import HysteresisModel, Numbers, read_only
+from ..protocol import ConfigKey, HysteresisModel, Numbers, read_only
 from . import kernels
-from ._tables import parameter_size, set_parameters, total_weight
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +70,7 @@ class Preisach(HysteresisModel):
     )
     not_fitted: ClassVar[tuple[str, ...]] = ("levels",)
     least: ClassVar[Mapping[str, float]] = {"density": 0.0}
+    units: ClassVar[Mapping[str, str]] = {"levels": "rad", "density": "N·m", "elastic": "N·m/rad"}
 
     levels: Numbers
     density: Sequence[Numbers]
@@ -111,15 +110,10 @@ class Preisach(HysteresisModel):
     def parameter_vector(self) -> Array:
         """The parameters as the kernels read them: segments, then cells; read-only."""
         segments = len(self.density)
-        p = np.empty(parameter_size(segments))
+        p = np.empty(kernels.parameter_size(segments))
         density = np.concatenate([np.array(row) for row in self.density])
-        set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
+        kernels.set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
         return read_only(p)
-
-    @property
-    def memory_size(self) -> int:
-        """How many numbers the memory holds, with space for the most turning points."""
-        return self.kernels.MEMORY_SIZE
 
     def everett(self, alpha: float, beta: float) -> float:
         """Returns E(alpha, beta): the weight [N·m] of all relays between two angles [rad]."""
@@ -157,7 +151,7 @@ class Preisach(HysteresisModel):
 
         So does the torque with all relays down, as a share of the sum of all |weights|.
         """
-        old, new = total_weight(parameters), total_weight(self.parameter_vector)
+        old, new = kernels.total_weight(parameters), kernels.total_weight(self.parameter_vector)
         down, turns = kernels.RECORDS, kernels.turning_points(memory)
         below = float(memory[down + 1]) * (new / old if old > 0 else 1.0)
         lowest = self.levels[0]
@@ -166,40 +160,7 @@ class Preisach(HysteresisModel):
             kernels.commit(self._parameters, own, angle)
         return self._keep_loss(own, memory, parameters)
 
-    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Preisach":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Args:
-            torque: Scale of the resistance, > 0.
-            angle: Scale of the angles, > 0.
-        """
-        scales(torque=torque, angle=angle)
-        return Preisach(
-            levels=[level * angle for level in self.levels],
-            density=[[weight * torque for weight in row] for row in self.density],
-            elastic=[slope * torque / angle for slope in self.elastic],
-        )
-
-    @property
-    def free_parameters(self) -> int:
-        """How many numbers a fit chooses: all weights and elastic slopes; the levels are given."""
-        return len(self.elastic) + sum(map(len, self.density))
-
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them, the rows of the density end to end."""
         density = [weight for row in self.density for weight in row]
         return {"levels": self.levels, "density": density, "elastic": self.elastic}
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Units of the parameters, by name; a pure number has no entry."""
-        return {"levels": "rad", "density": "N·m", "elastic": "N·m/rad"}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
-        return {
-            "model": self.name,
-            "levels": list(self.levels),
-            "density": [list(row) for row in self.density],
-            "elastic": list(self.elastic),
-        }

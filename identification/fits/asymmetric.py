@@ -6,8 +6,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.around.asymmetric import Asymmetric
-from ...hysteresis.around.clipped import Clipped
+from ...hysteresis.around import Asymmetric, Clipped
 from ...hysteresis.jiles_atherton import coordinates, kernels
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range

@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 
 from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.around.clipped import Clipped
+from ...hysteresis.around import Clipped
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves

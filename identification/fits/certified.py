@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
-from ...hysteresis.around.clipped import Clipped
+from ...hysteresis.around import Clipped
 from ...hysteresis.jiles_atherton import coordinates
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range

@@ -7,8 +7,7 @@ from scipy.optimize import least_squares, nnls
 
 from ...arrays import Array
 from ...checks import at_least
-from ...hysteresis.hinged_stops.model import HingedStops
-from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
+from ...hysteresis.stops import HingedStops, PrandtlIshlinskii
 from ..curves import Curve, noise_floor
 from .linear import LEAST_NOISE, MOST_PIVOTS, responses, usable
 from .projection import common_start

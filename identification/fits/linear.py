@@ -11,9 +11,9 @@ from scipy.optimize import nnls
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
-from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel, Numbers
+from ...hysteresis.stops import PrandtlIshlinskii
 from ..curves import Curve, Curves
 
 RETURNED = 0.05  # shortest way back that shows hysteresis, over the span of the angles

@@ -7,8 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...hysteresis.around.backlash import Backlash
-from ...hysteresis.around.viscoelastic import without_rate
+from ...hysteresis.around import Backlash, without_rate
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..lost_motion import suit_angles

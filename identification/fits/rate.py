@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar, nnls
 
 from ...arrays import Array
-from ...hysteresis.around.viscoelastic import Viscoelastic
+from ...hysteresis.around import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..objective import InitialTorque

@@ -14,14 +14,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ...errors import InputError
-from ...hysteresis.around.asymmetric import Asymmetric
+from ...hysteresis.around import Asymmetric
 from ...hysteresis.bouc_wen.model import BoucWen
 from ...hysteresis.dahl.model import Dahl, Duhem
-from ...hysteresis.hinged_stops.model import HingedStops
 from ...hysteresis.jiles_atherton.model import JilesAtherton
-from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel
+from ...hysteresis.stops import HingedStops, PrandtlIshlinskii
 from ..curves import Curve
 from ..objective import InitialTorque
 from ..prediction import nrmse, torque_errors

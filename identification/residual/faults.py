@@ -7,8 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...hysteresis.around.backlash import Backlash
-from ...hysteresis.around.viscoelastic import Viscoelastic, without_rate
+from ...hysteresis.around import Backlash, Viscoelastic, without_rate
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..lost_motion import played

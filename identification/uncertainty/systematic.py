@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...hysteresis.around.viscoelastic import Viscoelastic
+from ...hysteresis.around import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..residual.noise import Noise

@@ -10,8 +10,7 @@ from scipy.special import stdtrit
 from ...arrays import Array
 from ...checks import at_least, check_seed
 from ...errors import InputError, shown
-from ...hysteresis.around.clipped import Clipped
-from ...hysteresis.around.viscoelastic import Viscoelastic
+from ...hysteresis.around import Clipped, Viscoelastic
 from ...hysteresis.jiles_atherton.kernels import is_exact
 from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel

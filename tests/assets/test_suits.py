@@ -17,8 +17,8 @@ from activesuit.assets import (
     save_suit,
     suit_names,
 )
+from activesuit.benchmarks.references import EXAMPLES
 from activesuit.hysteresis import Backlash, JilesAtherton, Viscoelastic
-from activesuit.hysteresis.references import EXAMPLES
 from activesuit.identification import Curve, fit_curves, load_curves
 from helpers import TABLE_2, assert_refused, sweep, without_volume_shares
 

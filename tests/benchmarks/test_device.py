@@ -5,7 +5,7 @@ import json
 import pytest
 from activesuit.benchmarks import device
 from activesuit.benchmarks.__main__ import main
-from activesuit.hysteresis.references import EXAMPLES
+from activesuit.benchmarks.references import EXAMPLES
 from c_programs import need_compiler
 
 pytestmark = pytest.mark.slow

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from activesuit.benchmarks import exactness
 from activesuit.benchmarks.__main__ import main
+from activesuit.benchmarks.references import integrate, reference_of, turn_indices
 from activesuit.hysteresis import MODELS, TABLE_2, Viscoelastic
-from activesuit.hysteresis.references import integrate, reference_of, turn_indices
 
 pytestmark = pytest.mark.slow
 

@@ -148,7 +148,7 @@ def results(models: Mapping[str, Any]) -> Iterator[tuple[str, Callable[[], Numbe
 
 def examples() -> dict[str, Any]:
     """Returns the models whose response is kept, as plain data."""
-    from activesuit.hysteresis.references import EXAMPLES
+    from activesuit.benchmarks.references import EXAMPLES
 
     every = [one for examples in EXAMPLES.values() for one in examples]
     return {

@@ -5,6 +5,7 @@ import subprocess
 import numpy as np
 import pytest
 from activesuit.benchmarks.device import DT, motion, run_in_c
+from activesuit.benchmarks.references import EXAMPLES, Example
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
     TABLE_2,
@@ -18,7 +19,6 @@ from activesuit.hysteresis import (
 from activesuit.hysteresis.around import Wrapper
 from activesuit.hysteresis.around import viscoelastic_kernels as kernels
 from activesuit.hysteresis.c_code import Header, comment, identifier, parameters, stepped
-from activesuit.hysteresis.references import EXAMPLES, Example
 from c_programs import answers, compiled, need_compiler
 from maxwell_slip import MaxwellSlip
 

@@ -18,6 +18,7 @@ from activesuit.hysteresis import (
     Preisach,
     model_from_dict,
 )
+from activesuit.hysteresis.protocol import responder
 from helpers import assert_refused, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -94,7 +95,7 @@ def test_a_motion_to_no_number_changes_no_memory(model):
         assert math.isnan(model.kernels.move(p, s, angle)[0])
         assert math.isnan(model.kernels.commit(p, s, angle))
         np.testing.assert_array_equal(s, before)
-        model.kernels.response(p, s.copy(), np.array([0.5, 0.7, angle, 0.6]), torque)
+        responder(model.kernels)(p, s.copy(), np.array([0.5, 0.7, angle, 0.6]), torque)
         np.testing.assert_array_equal(np.isnan(torque), [False, False, True, True])
 
 

@@ -15,12 +15,18 @@ The functions that a callback calls must be compiled too (`numba.njit`), and non
 """
 
 from ._instance import (
+    FOUND,
+    TWICE,
+    UNKNOWN,
     begin_complaint,
     complain,
     config,
     is_sensor_of,
     key_name,
+    pack_sensors,
+    packed,
     plugin_name,
+    sensor_kind,
     sensor_name,
     sensor_values,
     set_word,
@@ -38,7 +44,6 @@ from ._registration import (
     compile_plugin,
     register_plugin,
 )
-from ._sensors import FOUND, TWICE, UNKNOWN, pack_sensors, packed, sensor_kind
 from ._text import (
     add,
     add_choices,

@@ -3,8 +3,12 @@
 Every function takes the addresses of mjModel (`m`) or mjData (`d`), the number of the instance, and
 `at`, the `layout` of the plugin with the fields that the function names.
 
-None of them is cached by itself: such a cache would contain the layout classes of all plugins, and
-would be unreadable without the module of one of them. They are compiled into the plugin's own code.
+Several numbers of `bits` bits each stand in the pointer-sized word that an instance keeps. They
+count from 1, and 0 is none.
+
+Most of the functions are not cached by themselves: such a cache would contain the layout classes of
+all plugins, and would be unreadable without the module of one of them. They are compiled into the
+plugin's own code.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -15,7 +19,9 @@ from numba import njit
 from ....kernels import inner
 from ._layout import ATTRIBUTES
 from ._memory import character_at, doubles, int32_at, plugin_at, pointer_at, store_pointer
-from ._text import SENTENCE_LIMIT, add, add_text, issue
+from ._text import SENTENCE_LIMIT, add, add_text, is_word, issue, length
+
+FOUND, UNKNOWN, TWICE = range(3)
 
 
 @inner(cache=False)
@@ -135,3 +141,54 @@ def complain(m, instance, noun, subject, key, reason, at):
     sentence, n = begin_complaint(m, instance, noun, subject, key, at)
     add(sentence, n, reason)
     issue(sentence)
+
+
+@inner
+def packed(ids, place, bits):
+    """Returns the number at a place of a word, from 0; -1 for none."""
+    return ((ids >> (bits * place)) & (2**bits - 1)) - 1
+
+
+@inner
+def sensor_kind(name, endings):
+    """Returns which of some words the C string at `name` ends with, from 0; -1 for none.
+
+    Args:
+        name: Address of the name of a sensor.
+        endings: Bytes with a blank between every two words, as b"force torque".
+    """
+    kind, start = 0, 0
+    for end in range(len(endings) + 1):
+        if end == len(endings) or endings[end] == ord(" "):
+            rest = length(name) - (end - start)
+            if rest >= 0 and is_word(name + rest, endings, start, end):
+                return kind
+            kind, start = kind + 1, end + 1
+    return -1
+
+
+@inner
+def pack_sensors(m, instance, ids, first, bits, endings, at):
+    """Returns (FOUND, UNKNOWN or TWICE, the word with the sensors of an instance).
+
+    A sensor is unknown by its name, or there twice. It reads m_nsensor and what `sensor_name` and
+    `is_sensor_of` read.
+
+    Args:
+        m: Address of mjModel.
+        instance: Number of the instance.
+        ids: Word so far.
+        first: Place of the sensor with the first ending.
+        bits: Bits of each number.
+        endings: Endings of the names of sensors; see `sensor_kind`.
+        at: Layout of MuJoCo's structs.
+    """
+    for sensor in range(pointer_at(m + at.m_nsensor)):
+        if is_sensor_of(m, sensor, instance, at):
+            kind = sensor_kind(sensor_name(m, sensor, at), endings)
+            if kind < 0:
+                return UNKNOWN, ids
+            if packed(ids, first + kind, bits) >= 0:
+                return TWICE, ids
+            ids |= (sensor + 1) << (bits * (first + kind))
+    return FOUND, ids

@@ -32,6 +32,10 @@ SCALARS: dict[str, Any] = {
 
 NESTED = {"opt": "mjOption"}  # structs inside mjModel, by field
 SENSOR, PASSIVE = 2, 4  # mjPLUGIN_SENSOR, mjPLUGIN_PASSIVE: the bindings do not export them
+CALLBACKS = (  # their addresses, in the order of mjpPlugin
+    "nstate nsensordata init destroy copy reset compute advance visualize actuator_act_dot "
+    "sdf_distance sdf_gradient sdf_staticdistance sdf_attribute sdf_aabb".split()
+)
 
 
 class Plugin(ctypes.Structure):
@@ -43,26 +47,7 @@ class Plugin(ctypes.Structure):
         ("attributes", ctypes.POINTER(ctypes.c_char_p)),
         ("capabilityflags", ctypes.c_int),
         ("needstage", ctypes.c_int),
-        *(
-            (name, ctypes.c_void_p)
-            for name in (
-                "nstate",
-                "nsensordata",
-                "init",
-                "destroy",
-                "copy",
-                "reset",
-                "compute",
-                "advance",
-                "visualize",
-                "actuator_act_dot",
-                "sdf_distance",
-                "sdf_gradient",
-                "sdf_staticdistance",
-                "sdf_attribute",
-                "sdf_aabb",
-            )
-        ),
+        *((name, ctypes.c_void_p) for name in CALLBACKS),
     ]
 
 

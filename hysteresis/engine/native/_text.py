@@ -27,12 +27,7 @@ def length(text):
 def ends_with(text, ending):
     """Returns whether the C string at `text` ends with the bytes `ending`."""
     start = length(text) - len(ending)
-    if start < 0:
-        return False
-    for i in range(len(ending)):
-        if character_at(text + start + i) != ending[i]:
-            return False
-    return True
+    return start >= 0 and is_word(text + start, ending, 0, len(ending))
 
 
 @inner
@@ -47,7 +42,7 @@ def starts_with(text, beginning):
 @inner
 def equals(text, word):
     """Returns whether the C string at `text` is the bytes `word`."""
-    return length(text) == len(word) and ends_with(text, word)
+    return is_word(text, word, 0, len(word))
 
 
 @inner

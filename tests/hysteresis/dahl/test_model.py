@@ -71,7 +71,7 @@ def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps():
                     return F * (w - (w - 1) * -math.expm1(-3.0 * tau / F)) ** 2
 
                 expected = quad(rate, 0, step, epsabs=0, epsrel=1e-11)[0]
-                _, loss = kernels.move(
+                _, loss, _ = kernels.move(
                     NO_SPRING.parameter_vector.copy(),
                     NO_SPRING.start(0.0, z).memory.copy(),
                     sign * step,

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.references import integrate, reference_of
 from activesuit.hysteresis import JilesAtherton, PoleError
-from activesuit.hysteresis.references import integrate, reference_of
 from helpers import TABLE_2, assert_refused, sweep
 
 

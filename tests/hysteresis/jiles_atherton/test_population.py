@@ -2,6 +2,7 @@
 
 import numpy as np
 from activesuit.hysteresis.jiles_atherton import kernels
+from activesuit.hysteresis.protocol import responder
 from helpers import TABLE_2, sweep
 
 LOW, HIGH = np.array([[1, 100], [3, 5000], [-10, 10], [-10, 10], [1, 1000]], dtype=float).T
@@ -21,7 +22,7 @@ def one_by_one(angle, starts, initial, parameters):
         kernels.set_parameters(p, *numbers, 0, 0)
         for start, end, torque0 in zip(starts[:-1], starts[1:], initial, strict=True):
             kernels.begin(p, s, angle[start], torque0)
-            kernels.response(p, s, angle[start:end], row[start:end])
+            responder(kernels)(p, s, angle[start:end], row[start:end])
     return torque
 
 

@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.references import reference_of
 from activesuit.hysteresis import PoleError
-from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from activesuit.hysteresis.preisach import kernels
 from activesuit.hysteresis.preisach.model import Preisach
 from activesuit.hysteresis.protocol import follow
-from activesuit.hysteresis.references import reference_of
+from activesuit.hysteresis.stops import PrandtlIshlinskii
 from helpers import assert_refused, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st

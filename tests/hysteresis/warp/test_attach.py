@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.benchmarks.device import DT, motion
+from activesuit.benchmarks.references import EXAMPLES
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
     TABLE_2,
@@ -21,7 +22,6 @@ from activesuit.hysteresis.around import viscoelastic_kernels
 from activesuit.hysteresis.engine import attach as attach_in_c
 from activesuit.hysteresis.engine import fault_slots, replace_model
 from activesuit.hysteresis.protocol import follow
-from activesuit.hysteresis.references import EXAMPLES
 from activesuit.hysteresis.warp import attach
 from activesuit.hysteresis.warp.source import source_of
 from maxwell_slip import MaxwellSlip

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from activesuit.hysteresis.preisach.model import Preisach
+from activesuit.hysteresis.stops import PrandtlIshlinskii
 from activesuit.identification import Curve
 from activesuit.identification.fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from helpers import family, sweep

@@ -1,4 +1,4 @@
-"""Kernels of the Prandtl-Ishlinskii model: plain functions over scalars and arrays.
+"""Kernels of the Prandtl-Ishlinskii model, several of which hinged stops use too.
 
 They compute the stop form only, T = K (theta - rest) + sum w_i E_i; `PrandtlIshlinskii` rewrites
 the play form. Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n], thresholds r rising.
@@ -18,8 +18,8 @@ FIRST_PLAY = 3  # numbers in s before the plays
 FINE, ASCENDING, AS_MANY = range(3)
 COMPLAINTS = (
     b"",
-    b"give increasing numbers (thresholds above 0, levels two or more)",
-    b"give as many numbers as thresholds or segments between levels",
+    b"give increasing numbers above 0",
+    b"give as many numbers as thresholds",
 )
 START_TOLERANCE = 1e-12  # rounding of a saturated torque, relative to the sum of all |torques|
 
@@ -60,54 +60,53 @@ def first_motion(p, n, wanted, tolerance):
 
 
 @njit(cache=True, error_model="numpy")
+def load(p, s, angle, torque, wanted, scale):
+    """Fills s as after the shortest first loading whose stops give `wanted`; returns 1, or NaN.
+
+    The torque is that of the whole model, and `scale` the sum of all |torques| of its parts.
+    """
+    n = s.size - FIRST_PLAY
+    x = first_motion(p, n, wanted, START_TOLERANCE * scale)
+    if math.isnan(x):
+        return math.nan
+    s[0], s[1], s[2] = angle, torque, 0.0
+    for i in range(n):
+        s[FIRST_PLAY + i] = angle - min(max(x, -p[HEADER + i]), p[HEADER + i])
+    return 1.0
+
+
+@njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
     """Fills s as after a first loading that gives `torque`; returns 1, or NaN if none does.
 
     Loading by x from the angle where all stops are at zero gives K (angle - rest) + phi(x).
     """
-    n = s.size - 3
+    n = s.size - FIRST_PLAY
     elastic = p[0] * (angle - p[1])
     scale = abs(elastic) + abs(torque)
     for i in range(n):
         scale += abs(p[HEADER + n + i]) * p[HEADER + i]
-    x = first_motion(p, n, torque - elastic, START_TOLERANCE * scale)
-    if math.isnan(x):
-        return math.nan
-    s[0], s[1], s[2] = angle, torque, 0.0
-    for i in range(n):
-        s[3 + i] = angle - min(max(x, -p[HEADER + i]), p[HEADER + i])
-    return 1.0
+    return load(p, s, angle, torque, torque - elastic, scale)
 
 
 @njit(inline="always", error_model="numpy")
 def travel(p, s, angle, keep):
     """Returns torque and loss of a motion to `angle`; `keep` stores the new plays in s."""
-    n = s.size - 3
+    n = s.size - FIRST_PLAY
     torque, loss = p[0] * (angle - p[1]), 0.0
     for i in range(n):
         threshold, weight = p[HEADER + i], p[HEADER + n + i]
-        strain, play = stop(angle, s[3 + i], threshold)
+        strain, play = stop(angle, s[FIRST_PLAY + i], threshold)
         torque += weight * strain
-        loss += weight * threshold * abs(play - s[3 + i])
+        loss += weight * threshold * abs(play - s[FIRST_PLAY + i])
         if keep:
-            s[3 + i] = play
+            s[FIRST_PLAY + i] = play
     return torque, loss
 
 
 @njit(cache=True, error_model="numpy")
-def is_certified(p):
-    """Returns whether no motion gains energy: no weight of a stop is negative."""
-    for weight in p[HEADER + (p.size - HEADER) // 2 :]:
-        if weight < 0:
-            return False
-    return True
-
-
-@njit(cache=True, error_model="numpy")
 def move(p, s, angle):
-    """Returns (torque, loss) after a monotone motion to `angle`; NaN where it is not finite."""
-    if angle == s[0]:
-        return s[1], 0.0
+    """Returns (torque, loss) after a motion to another angle; NaN where it is not finite."""
     if not math.isfinite(angle):
         return math.nan, 0.0
     return travel(p, s, angle, False)
@@ -129,10 +128,10 @@ def commit(p, s, angle):
 @njit(cache=True, error_model="numpy")
 def stiffness(p, s, angle, torque, delta):
     """Returns dT/dangle at the end of a motion that goes on with the sign `delta`."""
-    n = s.size - 3
+    n = s.size - FIRST_PLAY
     slope = p[0]
     for i in range(n):
-        strain, _ = stop(angle, s[3 + i], p[HEADER + i])
+        strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
         if delta * strain < p[HEADER + i]:
             slope += p[HEADER + n + i]
     return slope
@@ -141,10 +140,10 @@ def stiffness(p, s, angle, torque, delta):
 @njit(cache=True, error_model="numpy")
 def stored(p, s, angle, torque, loss):
     """Returns the stored energy; a stop is a spring of stiffness w in series with a slider."""
-    n = s.size - 3
+    n = s.size - FIRST_PLAY
     twice = p[0] * (angle - p[1]) ** 2
     for i in range(n):
-        strain, _ = stop(angle, s[3 + i], p[HEADER + i])
+        strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
         twice += p[HEADER + n + i] * strain**2
     return 0.5 * twice
 
@@ -157,8 +156,11 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, the same for all ranges, and the margin `inside`."""
-    return is_certified(p), inside
+    """Returns whether no motion gains energy, as no weight of a stop is negative, and `inside`."""
+    for weight in p[HEADER + (p.size - HEADER) // 2 :]:
+        if weight < 0:
+            return False, inside
+    return True, inside
 
 
 @njit(cache=True)
@@ -180,29 +182,25 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from stiffness, rest angle, thresholds and weights of stops."""
-    count = ends[2] - ends[1]
-    if ends[3] - ends[2] != count:
+def complaint_about(values, ends):
+    """Returns what is wrong with thresholds and weights: a complaint and its key, or (0, 0)."""
+    if ends[3] - ends[2] != ends[2] - ends[1]:
         return AS_MANY, 3
     below = 0.0
     for threshold in values[ends[1] : ends[2]]:
         if not threshold > below:
             return ASCENDING, 2
         below = threshold
-    p[:] = values
     return FINE, 0
 
 
 @njit(cache=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torques along the angles H, from s; NaN from a failure onwards."""
-    M[0] = s[1]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return
+def configure(values, ends, p):
+    """Fills p from stiffness, rest angle, thresholds and weights of stops."""
+    complaint, key = complaint_about(values, ends)
+    if complaint == FINE:
+        p[:] = values
+    return complaint, key
 
 
 @njit(cache=True, error_model="numpy")

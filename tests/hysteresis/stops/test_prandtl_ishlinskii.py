@@ -5,8 +5,8 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
-from activesuit.hysteresis.references.prandtl_ishlinskii import PrandtlIshlinskiiReference
+from activesuit.benchmarks.references import PrandtlIshlinskiiReference
+from activesuit.hysteresis.stops import PrandtlIshlinskii
 from helpers import assert_refused, sweep
 from hypothesis import strategies as st
 from stop_models import angles, for_any, paths, stops

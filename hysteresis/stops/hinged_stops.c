@@ -4,7 +4,7 @@
  *    knots: the knots, the values of h there, the slopes of h
  * s: angle, torque, (not used), n plays
  */
-#include "../prandtl_ishlinskii/stop.c"
+#include "stop.c"
 
 enum { AS_HINGED_STOPS_KNOTS = 16, AS_HINGED_STOPS_HINGE = 2 + 3 * AS_HINGED_STOPS_KNOTS + 1 };
 
@@ -18,9 +18,7 @@ static inline as_real as_hinged_stops_commit(const as_real *p, int size, as_real
         return s[1];
     if (!isfinite(angle))
         return (as_real)NAN;
-    as_real sum = p[0] * (angle - p[1]);
-    for (int i = 0; i < n; i++)
-        sum += p[2 + n + i] * as_stop(angle, &s[3 + i], p[2 + i]);
+    const as_real sum = as_stops(p, n, s + 3, angle);
     int piece = 0; /* it lies above so many knots */
     while (piece < (int)hinge[1] && sum >= knots[piece])
         piece++;

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ..protocol import HysteresisModel
+from ...hysteresis import HysteresisModel
 
 
 @dataclass(frozen=True, kw_only=True)

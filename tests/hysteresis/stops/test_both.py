@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.references import reference_of
 from activesuit.hysteresis import HingedStops, PrandtlIshlinskii
-from activesuit.hysteresis.references import reference_of
 from hypothesis import strategies as st
 from stop_models import angles, for_any, hinged, paths, stops
 

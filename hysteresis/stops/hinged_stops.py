@@ -1,30 +1,36 @@
-"""Kernels of hinged stops: plain functions over scalars and arrays, compiled by numba.
+"""Kernels of hinged stops: those of stops, and a hinge function of their sum.
 
     P = K (theta - rest) + sum w_i E_i,   T = offset + h(P)
 
 Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n, offset, m, knots, values of h at the knots,
 slopes], with room for `MOST_KNOTS` knots, of which m are used: piece j of h lies above j knots.
 
-The memory s = [angle, torque, loss, F_1 ... F_n] holds the play of each stop, as in the kernels of
-Prandtl-Ishlinskii. All E_i of a motion differ by no more than their thresholds do, so on a monotone
-motion the stops begin to slip in the order of their thresholds.
+The memory is that of `prandtl_ishlinskii`, whose kernels compute P. All E_i of a motion differ by
+no more than their thresholds do, so on a monotone motion the stops begin to slip in the order of
+their thresholds.
 """
 
 import math
 
 from numba import njit
 
-from ..prandtl_ishlinskii.kernels import HEADER, START_TOLERANCE, first_motion, stop
+from . import prandtl_ishlinskii as stops
+from .prandtl_ishlinskii import (
+    FINE,
+    FIRST_PLAY,
+    HEADER,
+    START_TOLERANCE,
+    dissipated,
+    stop,
+)
 
-FIRST_PLAY = 3  # numbers in s before the plays
+__all__ = ["dissipated"]
 MOST_KNOTS = 16
 HINGE = 2 + 2 * MOST_KNOTS + MOST_KNOTS + 1  # numbers in p after the weights
 OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # indices
-FINE, ASCENDING, AS_MANY, POSITIVE, FEW_KNOTS, ONE_MORE = range(6)
+POSITIVE, FEW_KNOTS, ONE_MORE = range(len(stops.COMPLAINTS), len(stops.COMPLAINTS) + 3)
 COMPLAINTS = (
-    b"",
-    b"give increasing numbers above 0",
-    b"give as many numbers as thresholds",
+    *stops.COMPLAINTS,
     b"give numbers of at least 0",
     b"give 1 to 16 increasing numbers",
     b"give one number more than knots",
@@ -113,12 +119,7 @@ def mean(hinge, one, other):
 @njit(inline="always", error_model="numpy")
 def inner(p, s, angle):
     """Returns P after a motion to `angle`."""
-    n = s.size - FIRST_PLAY
-    P = p[0] * (angle - p[1])
-    for i in range(n):
-        strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
-        P += p[HEADER + n + i] * strain
-    return P
+    return stops.travel(p, s, angle, False)[0]
 
 
 @njit(inline="always", error_model="numpy")
@@ -172,25 +173,6 @@ def recoverable(p, s, angle, P):
     return work(p, s, angle, P, -math.copysign(1.0, P), math.inf, False)
 
 
-@njit(inline="always", error_model="numpy")
-def travel(p, s, angle):
-    """Returns torque and loss of a motion to another angle; s unchanged.
-
-    Unloading returns stored energy without a loss. Loading dissipates its work less the increase of
-    the stored energy, which is not negative (`HingedStops` has the proof) except for rounding.
-    """
-    P, hinge = inner(p, s, angle), hinge_of(p, s)
-    torque = hinge[OFFSET] + hinged(hinge, P)
-    delta = 1.0 if angle > s[0] else -1.0
-    if not delta * P > 0:
-        return torque, 0.0
-    before = inner(p, s, s[0])
-    loss = work(p, s, s[0], before, delta, abs(angle - s[0]), True) - recoverable(p, s, angle, P)
-    if delta * before > 0:
-        loss += recoverable(p, s, s[0], before)
-    return torque, max(loss, 0.0)
-
-
 @njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
     """Fills s as after the shortest first loading that gives `torque`; returns 1, or NaN."""
@@ -206,24 +188,28 @@ def begin(p, s, angle, torque):
     P = elastic  # the torque may differ from h(P) by rounding, maybe by a flat piece of h
     if abs(value - hinged(hinge, elastic)) > rounding:
         P = unhinged(hinge, min(max(value, least), most), elastic)
-    scale = abs(elastic) + reach
-    x = first_motion(p, n, min(max(P, low), high) - elastic, START_TOLERANCE * scale)
-    if math.isnan(x):
-        return math.nan
-    s[0], s[1], s[2] = angle, torque, 0.0
-    for i in range(n):
-        s[FIRST_PLAY + i] = angle - min(max(x, -p[HEADER + i]), p[HEADER + i])
-    return 1.0
+    return stops.load(p, s, angle, torque, min(max(P, low), high) - elastic, abs(elastic) + reach)
 
 
 @njit(cache=True, error_model="numpy")
 def move(p, s, angle):
-    """Returns (torque, loss) after a monotone motion to `angle`; NaN where it is not finite."""
-    if angle == s[0]:
-        return s[1], 0.0
+    """Returns torque and loss of a motion to another angle; NaN where it is not finite.
+
+    Unloading returns stored energy without a loss. Loading dissipates its work less the increase of
+    the stored energy, which is not negative (`HingedStops` has the proof) except for rounding.
+    """
     if not math.isfinite(angle):
         return math.nan, 0.0
-    return travel(p, s, angle)
+    P, hinge = inner(p, s, angle), hinge_of(p, s)
+    torque = hinge[OFFSET] + hinged(hinge, P)
+    delta = 1.0 if angle > s[0] else -1.0
+    if not delta * P > 0:
+        return torque, 0.0
+    before = inner(p, s, s[0])
+    loss = work(p, s, s[0], before, delta, abs(angle - s[0]), True) - recoverable(p, s, angle, P)
+    if delta * before > 0:
+        loss += recoverable(p, s, s[0], before)
+    return torque, max(loss, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -231,9 +217,7 @@ def commit(p, s, angle):
     """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[0]:
         return s[1]
-    if not math.isfinite(angle):
-        return math.nan
-    torque, loss = travel(p, s, angle)
+    torque, loss = move(p, s, angle)
     if math.isnan(torque):
         return torque
     for i in range(s.size - FIRST_PLAY):
@@ -246,17 +230,11 @@ def commit(p, s, angle):
 @njit(cache=True, error_model="numpy")
 def stiffness(p, s, angle, torque, delta):
     """Returns dT/dangle at the end of a motion that goes on with the sign `delta`."""
-    n, hinge = s.size - FIRST_PLAY, hinge_of(p, s)
-    slope = p[0]
-    for i in range(n):
-        strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
-        if delta * strain < p[HEADER + i]:
-            slope += p[HEADER + n + i]
-    P = inner(p, s, angle)
+    P, hinge = inner(p, s, angle), hinge_of(p, s)
     j = piece(hinge, P)
     if delta < 0 and j > 0 and P == hinge[KNOTS + j - 1]:
         j -= 1
-    return slope * hinge[SLOPES + j]
+    return stops.stiffness(p, s, angle, torque, delta) * hinge[SLOPES + j]
 
 
 @njit(cache=True, error_model="numpy")
@@ -264,12 +242,6 @@ def stored(p, s, angle, torque, loss):
     """Returns the stored energy: what unloading gives back, and the energy of the offset."""
     offset = hinge_of(p, s)[OFFSET]
     return offset * (angle - p[1]) + recoverable(p, s, angle, inner(p, s, angle))
-
-
-@njit(cache=True, error_model="numpy")
-def dissipated(p, s, angle, torque, loss):
-    """Returns the energy that the sliders have dissipated."""
-    return s[2] + loss
 
 
 @njit(cache=True, error_model="numpy")
@@ -287,13 +259,13 @@ def is_sound(p):
 @njit(cache=True)
 def size(counts):
     """Returns how many numbers memory and parameters have together."""
-    return FIRST_PLAY + HEADER + HINGE + 3 * counts[2]
+    return HINGE + stops.size(counts)
 
 
 @njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
-    return FIRST_PLAY + (total - FIRST_PLAY - HEADER - HINGE) // 3
+    return stops.memory_size(total - HINGE)
 
 
 @njit(cache=True, error_model="numpy")
@@ -301,17 +273,13 @@ def configure(values, ends, p):
     """Fills p from stiffness, rest angle, thresholds, weights, knots, slopes and offset."""
     thresholds, weights = values[ends[1] : ends[2]], values[ends[2] : ends[3]]
     knots, slopes = values[ends[3] : ends[4]], values[ends[4] : ends[5]]
-    if weights.size != thresholds.size:
-        return AS_MANY, 3
+    complaint, key = stops.complaint_about(values, ends)
+    if complaint != FINE:
+        return complaint, key
     if not 1 <= knots.size <= MOST_KNOTS:
         return FEW_KNOTS, 4
     if slopes.size != knots.size + 1:
         return ONE_MORE, 5
-    below = 0.0
-    for threshold in thresholds:
-        if not threshold > below:
-            return ASCENDING, 2
-        below = threshold
     for k in range(1, knots.size):
         if not knots[k] > knots[k - 1]:
             return FEW_KNOTS, 4
@@ -326,14 +294,3 @@ def configure(values, ends, p):
     offset = values[ends[5]]
     set_parameters(p, values[0], values[1], thresholds, weights, offset, knots, slopes)
     return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def response(p, s, H, M):
-    """Fills M with the torques along the angles H, from s; NaN from a failure onwards."""
-    M[0] = s[1]
-    for i in range(1, H.size):
-        M[i] = commit(p, s, H[i])
-        if math.isnan(M[i]):
-            M[i:] = math.nan
-            return

@@ -1,5 +1,0 @@
-"""The Prandtl-Ishlinskii model: the class and its kernels."""
-
-from .model import PrandtlIshlinskii
-
-__all__ = ["PrandtlIshlinskii"]
