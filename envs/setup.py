@@ -10,7 +10,7 @@ from .levels import with_level
 from .model import ArmConfig
 from .model.config import nested
 from .observation import checked_sensors
-from .own_reward import OwnReward
+from .own_code import OwnReward
 from .person import VoluntaryControl
 from .randomization import Randomization
 from .simulation.faults import Faults

@@ -10,9 +10,8 @@ from ...checks import within
 from ..belief import LEAD, Belief
 from ..plant import Plant
 from .base import Seen
-from .carried import Carried, person
-from .filters import LowPass
 from .model_based import SHARE, ModelBased
+from .observers import Carried, LowPass, person_torque
 
 # The terms: unit hysteresis, a straight spring, bias and carried weight.
 BELIEVED = np.array([1.0, 0.0, 0.0, 1.0])
@@ -97,7 +96,7 @@ class Adaptive(ModelBased):
         known = known + self._weight(seen["angle"])  # its factor is not known
         self._past.append((terms, momentum, known, rate[:, self.assisted]))
         if len(self._past) > self._late:
-            self._observe(*self._past.pop(0), person(seen))
+            self._observe(*self._past.pop(0), person_torque(seen))
         soon = seen["angle"] + self.lead * rate
         own = self._whole(soon) - self._weight(soon)
         corrected = (self._theta * self._terms(seen, self.lead)).sum(axis=-1)

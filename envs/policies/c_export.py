@@ -16,8 +16,8 @@ from ..belief import BelievedSuit
 from ..model import ASSISTED
 from ..model.config import GRAVITY
 from .base import Policy
-from .build import POLICIES
 from .model_based import TURNING, ModelBased
+from .registry import POLICIES
 
 GOLDEN = (  # rad and rad/s: angles and rates of the four joints
     ((0.0, 0.4, 1.0, 0.0), (0.0, 0.0, 0.0, 0.0)),

@@ -10,8 +10,7 @@ from ...checks import within
 from ..belief import LEAD, Belief
 from ..plant import Plant
 from .base import Seen
-from .compensation import Compensation
-from .model_based import SHARE
+from .model_based import SHARE, Compensation
 
 CUTOFF = 4.0  # [Hz], greatest frequency that is learned; noise and the motors' lag are beyond
 LONGEST = 60.0  # s

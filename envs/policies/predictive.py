@@ -14,8 +14,8 @@ from ..person.control import STIFF
 from ..plant import Plant
 from ..simulation.addresses import Addresses
 from .base import Seen
-from .compensation import Compensation
-from .filters import LowPass
+from .model_based import Compensation
+from .observers import LowPass
 
 PERIOD = 0.05  # [s], time from plan to plan
 KNOTS = 3  # number of knots of a plan over its horizon

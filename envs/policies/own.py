@@ -10,7 +10,7 @@ from ...errors import InputError, shown
 from .base import Policy
 
 
-class Outside:
+class OwnPolicy:
     """A policy of a user's own, whose mistakes become sentences that name it.
 
     Args:
@@ -64,7 +64,7 @@ class Outside:
 
 def own_policy(
     name: str, make: Callable[..., Policy], motors: int, *given: Any, **options: Any
-) -> Outside:
+) -> OwnPolicy:
     """Returns what a user's code makes, if it can act.
 
     Args:
@@ -88,4 +88,4 @@ def own_policy(
                 f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
                 "that returns an object with reset() and act(observation)"
             )
-    return Outside(name, policy, motors)
+    return OwnPolicy(name, policy, motors)
