@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...checks import within
 from ..belief import LEAD, Belief, CuffLevers
-from ..belief.inertia import ASSISTED_PLACES
+from ..belief.rigid import ASSISTED_PLACES
 from ..model.cuffs import CUFFS
 from ..plant import Plant
 from ..simulation.sensing import smoothing
