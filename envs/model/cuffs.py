@@ -20,6 +20,7 @@ from ...errors import InputError
 from ..provenance import Quantity
 from .bushing import Bushing, Triple, attach_bushing, move_bushing
 from .fitting import stretch
+from .variants import taken_keyframes
 
 _SCHIEBL = "Schiebl et al. 2025, Sensors 25(15), 4605, upper arm of 21 adults"
 _ACROSS = Quantity(
@@ -126,9 +127,7 @@ def couple(
         raise InputError("the model is not the arm of arm.xml with its rigid exoskeleton: give it")
     outward = np.sign(spec.body("shoulder").pos[1])
     shift = np.array(misalignment) * (1, outward, 1)
-    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
-    for key in list(spec.keys):
-        spec.delete(key)  # keyframes prevent moving bodies
+    keyframes = taken_keyframes(spec)  # they prevent moving bodies
     base = spec.body("exo_base")
     base.pos = base.pos + shift
     begins = [shift, np.zeros(3), *_lengthen(spec, excess)]
@@ -145,9 +144,9 @@ def couple(
         limb.group, limb.size = site.group, site.size
         bushing = replace(CUFFS[segment], offset=tuple((-away).tolist()))
         attach_bushing(spec, f"cuff_{segment}", limb.name, name, bushing)
-    for name, qpos, act, ctrl in keys:
-        arm, others = qpos[: len(JOINTS)], qpos[len(JOINTS) :]
-        spec.add_key(name=name, qpos=arm + arm + others, act=act, ctrl=ctrl)
+    for keyframe in keyframes:
+        arm = keyframe["qpos"][: len(JOINTS)]
+        spec.add_key(**{**keyframe, "qpos": [*arm, *keyframe["qpos"]]})
 
 
 def shift_exoskeleton(model: mujoco.MjModel, body_pos: Array, by: Array) -> None:

@@ -6,10 +6,9 @@ The structs are those of `structs`.
 from numba import njit
 
 from ...arrays import Array
-from ..model.motor_kernels import clipped as within_heat
-from ..model.motor_kernels import heated
-from ..person.fatigue import RATES
-from ..person.fatigue_kernels import loaded, tired
+from ..model.exoskeleton import clipped as within_heat
+from ..model.exoskeleton import heated
+from ..person.fatigue import RATES, loaded, tired
 from .addresses import Addresses
 from .bound import Frozen, thawed
 from .measurements import CONTINUOUS, EFFORT, PEAK, TIME, TIME_CONSTANT, is_finite, measure

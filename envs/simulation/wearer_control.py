@@ -10,8 +10,7 @@ from numba import njit
 from ...arrays import Array
 from ...kernels import inner
 from ..person.control import NOISE_SIZE
-from ..person.strength import SHAPE
-from ..person.strength_kernels import group_torque
+from ..person.strength import SHAPE, group_torque
 from .addresses import Addresses
 from .inverse_dynamics import arm_torque
 from .structs import Episode, Feedback, Index, Intention, MuscleNoise, Muscles, Physics, Wearer
