@@ -38,13 +38,12 @@ from .reward import (
 from .setup import Setup
 from .simulation import Simulation
 from .simulation.bound import bound
-from .simulation.differing import Variety
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, TIME, snapshot
 from .simulation.plan import Plan
-from .simulation.saving import check_state
+from .simulation.row_models import Variety
 from .simulation.simulation import Start
-from .simulation.streams import fresh_seed, stream
+from .simulation.state import check_state, fresh_seed, stream
 from .simulation.structs import saved
 from .simulation.wearer_control import USUAL
 from .tasks import Task

@@ -14,7 +14,7 @@ from .own_code import OwnReward
 from .person import VoluntaryControl
 from .randomization import Randomization
 from .simulation.faults import Faults
-from .simulation.sensing import Sensing
+from .simulation.measurements import Sensing
 from .simulation.simulation import PREVIEW
 from .tasks import Task
 

@@ -13,7 +13,7 @@ import numpy as np
 from ...assets import SCENE, Suit, SuitJoint, load_suit
 from ...errors import InputError, shown
 from ...hysteresis import engine
-from ..memory import give_back_after
+from ..freed_memory import give_back_after
 from ..person import segments
 from . import bushing
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload

@@ -13,7 +13,7 @@ from ..belief import LEAD, Belief, CuffLevers
 from ..belief.rigid import ASSISTED_PLACES
 from ..model.cuffs import CUFFS
 from ..plant import Plant
-from ..simulation.sensing import smoothing
+from ..simulation.measurements import smoothing
 from .base import Seen
 from .model_based import SHARE, Compensation, ModelBased, friction_of
 

@@ -12,7 +12,7 @@ from ..belief import Belief
 from ..person import isometric_strength
 from ..person.control import STIFF
 from ..plant import Plant
-from ..simulation.addresses import Addresses
+from ..simulation.structs import Addresses
 from .base import Seen
 from .model_based import Compensation
 from .observers import LowPass

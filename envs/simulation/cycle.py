@@ -9,10 +9,20 @@ from ...arrays import Array
 from ..model.exoskeleton import clipped as within_heat
 from ..model.exoskeleton import heated
 from ..person.fatigue import RATES, loaded, tired
-from .addresses import Addresses
 from .bound import Frozen, thawed
 from .measurements import CONTINUOUS, EFFORT, PEAK, TIME, TIME_CONSTANT, is_finite, measure
-from .structs import Episode, Index, Intention, Motors, Muscles, Physics, Sensors, Wearer, Whole
+from .structs import (
+    Addresses,
+    Episode,
+    Index,
+    Intention,
+    Motors,
+    Muscles,
+    Physics,
+    Sensors,
+    Wearer,
+    Whole,
+)
 from .wearer_control import USUAL, act, contraction, feed_forward, learn, most
 
 

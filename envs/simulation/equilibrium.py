@@ -5,9 +5,8 @@ from numba import njit
 
 from ...arrays import AnyArray
 from ...kernels import inner
-from .addresses import Addresses
 from .bound import Frozen, thawed
-from .structs import Equilibrium, Intention, Muscles, Physics, Wearer, Whole
+from .structs import Addresses, Equilibrium, Intention, Muscles, Physics, Wearer, Whole
 from .wearer_control import BASE, RELAXATION, SLOPE, contraction, feed_forward
 from .wearer_control import DAMPING as FIXED
 

@@ -11,9 +11,18 @@ from ...arrays import Array
 from ...kernels import inner
 from ..person.control import NOISE_SIZE
 from ..person.strength import SHAPE, group_torque
-from .addresses import Addresses
 from .inverse_dynamics import arm_torque
-from .structs import Episode, Feedback, Index, Intention, MuscleNoise, Muscles, Physics, Wearer
+from .structs import (
+    Addresses,
+    Episode,
+    Feedback,
+    Index,
+    Intention,
+    MuscleNoise,
+    Muscles,
+    Physics,
+    Wearer,
+)
 
 # Rows of `impedance`.
 BASE, SLOPE, DAMPING, RELAXATION, USUAL = range(5)
