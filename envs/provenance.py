@@ -1,6 +1,10 @@
 """Quantities of the simulated person, suit and exoskeleton: values, units, ranges and sources."""
 
+import csv
+from collections.abc import Iterable
 from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, cast
 
 from ..checks import within
@@ -30,6 +34,27 @@ class Quantity:
     unit: str
     source: str
     grade: Grade
+
+
+def numbers_of(*groups: str) -> tuple[Quantity, ...]:
+    """Returns numbers of `numbers.csv`, in its order.
+
+    Args:
+        *groups: First parts of their names, such as "control".
+    """
+    return tuple(one for one in _numbers() if one.name.partition(".")[0] in groups)
+
+
+@cache
+def _numbers() -> tuple[Quantity, ...]:
+    with Path(__file__).with_name("numbers.csv").open(encoding="utf-8", newline="") as file:
+        rows: Any = csv.DictReader(file)
+        return tuple(Quantity(**{**row, "value": float(row["value"])}) for row in rows)
+
+
+def values_of(quantities: Iterable[Quantity]) -> dict[str, float]:
+    """Returns the values of numbers, by name."""
+    return {one.name: one.value for one in quantities}
 
 
 class Setting(NamedTuple):

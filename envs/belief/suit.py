@@ -9,17 +9,10 @@ from ...arrays import Array
 from ...assets import SuitJoint
 from ...hysteresis import Viscoelastic
 from ..model import ASSISTED
-from ..provenance import Quantity
+from ..provenance import numbers_of, values_of
 
-_LEAD = Quantity(
-    "belief.lead",
-    0.02,
-    "s",
-    "a motor's lag at 10 Hz, 0.016 s, and half a control period",
-    "derived",
-)
-PROVENANCE: tuple[Quantity, ...] = (_LEAD,)
-LEAD = _LEAD.value
+PROVENANCE = numbers_of("belief")
+LEAD = values_of(PROVENANCE)["belief.lead"]  # [s], time by which the motors answer late
 DEAD_BAND = 1.5  # [encoder counts], greatest change that counts as no motion
 
 

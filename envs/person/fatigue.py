@@ -25,7 +25,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
 from ...kernels import elementwise
-from ..provenance import Quantity
+from ..provenance import numbers_of, values_of
 
 
 @njit(cache=True)
@@ -64,39 +64,22 @@ def tired(
     return fatigued + (fatigued - goal) * math.expm1(-rate * (dt - before))
 
 
-_RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
-_REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"
-_REGIONS = {  # F and R [1/s], r
-    "shoulder": (0.01820, 0.00168, 15.0),
-    "elbow": (0.00912, 0.00094, 15.0),
-    "grip": (0.00980, 0.00064, 30.0),
-}
-_COLUMNS = (
-    ("fatigue_rate", "1/s", _RATES),
-    ("recovery_rate", "1/s", _RATES),
-    ("rest_multiplier", "1", _REST),
-)
 _REGION_OF = {
     "shoulder_abduction": "shoulder",
     "shoulder_flexion": "shoulder",
     "elbow_flexion": "elbow",
     "wrist_flexion": "grip",
 }
-_RESTING = Quantity(
-    "fatigue.resting_load", 0.01, "1", "a muscle group below it counts as resting", "assumed"
+PROVENANCE = numbers_of("fatigue")
+_VALUE = values_of(PROVENANCE)
+_TIRING, _RECOVERY, _MULTIPLIER = np.array(
+    [
+        [_VALUE[f"fatigue.{_REGION_OF[joint]}.{column}"] for joint in JOINTS]
+        for column in ("fatigue_rate", "recovery_rate", "rest_multiplier")
+    ]
 )
-
-PROVENANCE: tuple[Quantity, ...] = (
-    *(
-        Quantity(f"fatigue.{region}.{column}", value, unit, source, "transcribed")
-        for region, row in _REGIONS.items()
-        for (column, unit, source), value in zip(_COLUMNS, row, strict=True)
-    ),
-    _RESTING,
-)
-
-_TIRING, _RECOVERY, _MULTIPLIER = np.array([_REGIONS[_REGION_OF[joint]] for joint in JOINTS]).T
-RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, np.full(len(JOINTS), _RESTING.value)])
+_RESTING = np.full(len(JOINTS), _VALUE["fatigue.resting_load"])
+RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, _RESTING])
 """F and R [1/s], r and the load below which a group rests, shape (4, joints)."""
 
 

@@ -16,26 +16,13 @@ from ...checks import within
 from ..belief import LEAD, Belief, BelievedArm, BelievedSuit, BelievedWeight
 from ..model import Exo
 from ..plant import Plant
-from ..provenance import Quantity
+from ..provenance import numbers_of, values_of
 from .base import Seen, TorquePolicy
 
-_TURNING = Quantity(
-    "friction.turning_rate",
-    0.1,
-    "rad/s",
-    "ours: a few counts of an encoder in a control period, so that noise does not chatter",
-    "assumed",
-)
-_SHARE = Quantity(
-    "friction.share",
-    0.8,
-    "1",
-    "ours: all of it makes the arm drift, and relieves no more than 0.8 of it",
-    "assumed",
-)
-PROVENANCE: tuple[Quantity, ...] = (_TURNING, _SHARE)
-SHARE = _SHARE.value
-TURNING = _TURNING.value
+PROVENANCE = numbers_of("friction")
+_VALUE = values_of(PROVENANCE)
+SHARE = _VALUE["friction.share"]
+TURNING = _VALUE["friction.turning_rate"]  # rad/s
 LONGEST_LEAD = 0.2  # s
 
 
