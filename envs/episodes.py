@@ -334,16 +334,8 @@ class Episodes:
             places = self.simulation.arm_of(wearer).in_world(plan.motion[0])
             self._watch.watched[row] = False if plan.watched is None else plan.watched
             self._watch.hand_places[row] = places
-        return Start(
-            plan=plan,
-            suit=terms.suit_of(self._suits, streams),
-            encoder_offset=terms.offsets(streams),
-            payload=terms.carried(streams),
-            gravity=terms.place(streams),
-            wearer=wearer,
-            misalignment=terms.shift(streams),
-            noise_scale=terms.noise_scale(streams),
-        )
+        suit = terms.suit_of(self._suits, streams)
+        return Start(plan=plan, suit=suit, wearer=wearer, **terms.drawn(streams))
 
     def _plan(self, rng: np.random.Generator, wearer: int = 0) -> Plan:
         simulation = self.simulation

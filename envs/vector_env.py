@@ -101,11 +101,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         )
         simulation = self.episodes.simulation
         fps = round(1 / simulation.control_dt)
-        self.metadata = {
-            **self.metadata,
-            "render_fps": fps,
-            "autoreset_mode": self.autoreset_mode,
-        }
+        self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
         self.renderer = ArmRenderer(

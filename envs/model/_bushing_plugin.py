@@ -9,7 +9,8 @@ Vectors are tuples of three numbers: they cost no memory. Rotation matrices are 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -206,38 +207,15 @@ SENTENCES = (
 )
 
 
-class Layout(NamedTuple):
-    """The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
-
-    m_nsite: int
-    m_nsensor: int
-    m_body_parentid: int
-    m_body_rootid: int
-    m_body_dofnum: int
-    m_body_dofadr: int
-    m_dof_parentid: int
-    m_site_bodyid: int
-    m_sensor_type: int
-    m_sensor_plugin: int
-    m_sensor_adr: int
-    m_plugin: int
-    m_plugin_stateadr: int
-    m_plugin_attr: int
-    m_plugin_attradr: int
-    m_names: int
-    m_name_sensoradr: int
-    d_qfrc_passive: int
-    d_site_xpos: int
-    d_site_xmat: int
-    d_subtree_com: int
-    d_cdof: int
-    d_cvel: int
-    d_sensordata: int
-    d_plugin_state: int
-    d_plugin_data: int
-    mjOBJ_SITE: int
-    mjSENS_PLUGIN: int
-    mjPLUGIN_PASSIVE: int
+Layout = namedtuple(
+    "Layout",
+    "m_nsite m_nsensor m_body_parentid m_body_rootid m_body_dofnum m_body_dofadr "
+    "m_dof_parentid m_site_bodyid m_sensor_type m_sensor_plugin m_sensor_adr m_plugin "
+    "m_plugin_stateadr m_plugin_attr m_plugin_attradr m_names m_name_sensoradr d_qfrc_passive "
+    "d_site_xpos d_site_xmat d_subtree_com d_cdof d_cvel d_sensordata d_plugin_state "
+    "d_plugin_data mjOBJ_SITE mjSENS_PLUGIN mjPLUGIN_PASSIVE",
+)
+"""The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
 
 
 @njit(inline="always")

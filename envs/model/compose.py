@@ -119,11 +119,7 @@ def _bare(config: ArmConfig) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(
-    config: ArmConfig,
-    suit: str | None,
-    drawn: bool,
-    others: tuple[str, ...],
-    edits: Edits | None,
+    config: ArmConfig, suit: str | None, drawn: bool, others: tuple[str, ...], edits: Edits | None
 ) -> mujoco.MjModel:
     # The key has the content of the suit file, since the file at a path may change.
     parsed = None if suit is None else Suit.model_validate_json(suit)
@@ -265,10 +261,7 @@ def for_warp(config: ArmConfig) -> mujoco.MjModel:
     return spec.compile()
 
 
-READERS = {
-    ".xml": mujoco.MjModel.from_xml_path,
-    ".mjb": mujoco.MjModel.from_binary_path,
-}
+READERS = {".xml": mujoco.MjModel.from_xml_path, ".mjb": mujoco.MjModel.from_binary_path}
 
 
 def load_model(path: str | os.PathLike[str]) -> mujoco.MjModel:

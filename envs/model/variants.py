@@ -44,9 +44,7 @@ def mirror(spec: mujoco.MjSpec) -> None:
             actuator.gear = actuator.gear * np.array([*_POLAR, *_AXIAL])
 
 
-def _reflect_pose(
-    part: mujoco.MjsBody | mujoco.MjsFrame | mujoco.MjsGeom | mujoco.MjsSite,
-) -> None:
+def _reflect_pose(part: mujoco.MjsBody | mujoco.MjsFrame | mujoco.MjsGeom | mujoco.MjsSite) -> None:
     part.pos = part.pos * _POLAR
     part.quat = part.quat * _QUATERNION
     _reflect_orientation(part.alt)

@@ -126,8 +126,7 @@ def _improve(
 
 @njit(cache=True)
 def hold(
-    rows: Whole,
-    arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]],
+    rows: Whole, arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]]
 ) -> None:
     """Lets wearers hold still: the correction starts at what the feed-forward torque lacks."""
     physics, at, intention, wearer, muscles, rest = thawed(arms)

@@ -53,15 +53,9 @@ _SIZES = (
 )
 
 
-def _columns() -> tuple[dict[str, slice], int]:
-    columns, end = {}, 0
-    for name, size in _SIZES:
-        columns[name] = slice(end, end + size)
-        end += size
-    return columns, end
-
-
-COLUMNS, WIDTH = _columns()
+_ENDS = np.cumsum([size for _, size in _SIZES]).tolist()
+COLUMNS = {name: slice(end - size, end) for (name, size), end in zip(_SIZES, _ENDS, strict=True)}
+WIDTH = _ENDS[-1]
 """The columns of each measurement by its name, and how many there are in all."""
 
 NOISES = 17  # sensors' random numbers in a control period: interaction, EMG, cuffs
@@ -78,30 +72,11 @@ SENSED = (
 
 SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # measurements that are no vectors
 
-(
-    TIME,
-    ANGLE,
-    RATE,
-    TARGET,
-    HUMAN,
-    SUIT,
-    ASSIST,
-    HUMAN_ENERGY,
-    ASSIST_ENERGY,
-    DISSIPATED,
-    LOAD,
-    FATIGUE,
-    CUFFS,
-    ENCODER,
-    ENCODER_RATE,
-    MOTOR,
-    PREVIOUS,
-    PREVIEW,
-    INTERACTION,
-    EMG,
-    CUFF_SENSOR,
-    EFFORT,
-) = (columns.start for columns in COLUMNS.values())
+_STARTS = [columns.start for columns in COLUMNS.values()]
+TIME, ANGLE, RATE, TARGET, HUMAN, SUIT, ASSIST = _STARTS[:7]
+HUMAN_ENERGY, ASSIST_ENERGY, DISSIPATED, LOAD, FATIGUE, CUFFS = _STARTS[7:13]
+ENCODER, ENCODER_RATE, MOTOR, PREVIOUS, PREVIEW, INTERACTION, EMG = _STARTS[13:20]
+CUFF_SENSOR, EFFORT = _STARTS[20:]
 
 
 def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:

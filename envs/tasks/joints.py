@@ -185,8 +185,7 @@ class RangeOfMotion(Task):
             visits += [(joint, high, (high - low) / SPEED)] * TRIES
         stops, ends = _there_and_back(visits)
         return Plan(
-            through(stops, samples, dt),
-            watched=between([(end, end) for end in ends], samples, dt),
+            through(stops, samples, dt), watched=between([(end, end) for end in ends], samples, dt)
         )
 
 

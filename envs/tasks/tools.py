@@ -277,20 +277,12 @@ class Scoop(Task):
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns lifts and descents; place and tilt are watched while there is a load."""
         del arm
-        cycle = [
-            (0.0, LOWERED),
-            (REST, LOWERED),
-            (REST + LIFT, LIFTED),
-            (2 * REST + LIFT, LIFTED),
-        ]
+        cycle = [(0.0, LOWERED), (REST, LOWERED), (REST + LIFT, LIFTED), (2 * REST + LIFT, LIFTED)]
         stops = repeated(cycle, 2 * REST + LIFT + LOWER, samples * dt)
         mass, time = np.zeros(samples), dt * np.arange(samples)
         windows = []
         for start, _ in stops[:: len(cycle)]:
-            full, empty = (
-                start + REST / 2,
-                start + REST + LIFT + REST / 2,
-            )
+            full, empty = start + REST / 2, start + REST + LIFT + REST / 2
             mass[(full <= time) & (time < empty)] = rng.uniform(*self.load)
             windows.append((full + dt, empty - dt))
         return Plan(through(stops, samples, dt), mass, watched=between(windows, samples, dt))
