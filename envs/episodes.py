@@ -182,6 +182,11 @@ class Episodes:
             self._frames[rows] = self._observed()[rows, None]
         self._judge(rows, False)
 
+    def require_reset(self, what: str) -> None:
+        """Refuses what needs an episode in every row, before the first reset."""
+        if (self._counters.episode < 0).any():
+            raise InputError(f"{what} before the first reset: call reset() first")
+
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
         """Applies actions for one control period.
 

@@ -195,13 +195,7 @@ class Complement(Compensation):
     """Does what compensation does, but leaves the wearer the weight of the bare arm.
 
     Law: compensation less the believed weight of the arm, which its wearer carries as without a
-    suit. Tuning: as of compensation.
-
-    Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
+    suit. Tuning and arguments: as of compensation.
     """
 
     @staticmethod

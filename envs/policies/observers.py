@@ -244,13 +244,7 @@ class CorrectedCompensation(Compensation):
     Signals needed: encoders and cuffs (coupling="cuffs").
     Source: joint angles from the deflection of physical interfaces, Schiele and van der Helm 2006,
     Kinematic design to improve ergonomics in human machine interaction, IEEE TNSRE 14(4), for the
-    error; the correction is ours.
-
-    Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
+    error; the correction is ours. Arguments: as of compensation.
     """
 
     sensors = ("encoders", "cuffs")

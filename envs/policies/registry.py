@@ -19,11 +19,10 @@ from ..own_code import imported
 from ..plant import Plant
 from ..setup import USUAL
 from ..vector_env import ArmVectorEnv
-from .adaptive import Adaptive
+from .adaptive import Adaptive, IterativeLearning
 from .base import Policy
 from .guard import Guard
 from .impedance import Impedance
-from .iterative import IterativeLearning
 from .model_based import (
     Compensation,
     Complement,

@@ -218,52 +218,30 @@ def saved(struct: Any) -> dict[str, NDArray]:
     return found
 
 
-Indices = NDArray[np.int64]
-
-
 class Addresses(NamedTuple):
-    """Indices into mjData, in the order of `JOINTS` or `ASSISTED`.
+    """Whole into mjData, in the order of `JOINTS` (4) or `ASSISTED` (2).
 
     The arrays of motors are empty without an exoskeleton, and those of cuff forces without cuffs.
-
-    Attributes:
-        joints: Angles of the arm in qpos, and rates in qvel (all joints are hinges), shape (4,).
-        exo_joints: Angles of the exoskeleton in qpos, shape (4,); those of the arm if it is rigid.
-        driven: Those of the exoskeleton's joints that carry a motor, shape (2,).
-        assisted: Positions of the assisted joints in `JOINTS`, shape (2,).
-        human: Torques of the wearer in actuator_force, shape (4,).
-        intention: Controls of the wearer: position, velocity, feed-forward, shape (3, 4).
-        encoders: Angles of the encoders in sensordata, shape (4,).
-        assist: Torques of the motors in actuator_force, shape (2,).
-        motors: Controls of the motors, which are torques [N·m], shape (2,).
-        peak_torque: Largest torque of each motor [N·m], shape (2,).
-        pushes: Controls of the forces on the grip, shape (3,); none where a task has none.
-        hand: Place of the grip in sensordata, shape (3,).
-        cuffs: Forces on upper arm, forearm and hand in sensordata, shape (9,).
-        suited: Positions in `JOINTS` of the joints that suits resist, shape (n,); a joint occurs
-            once for each kind of model that it may have, of which one is active.
-        suit_torque: Torques of these models in sensordata, shape (n,).
-        dissipated: Energies that they have dissipated in sensordata, shape (n,).
-        faults: Fault flags of these models in plugin_state, shape (n,).
     """
 
-    joints: Indices
-    exo_joints: Indices
-    driven: Indices
-    assisted: Indices
-    human: Indices
-    intention: Indices
-    encoders: Indices
-    assist: Indices
-    motors: Indices
-    peak_torque: Array
-    pushes: Indices
-    hand: Indices
-    cuffs: Indices
-    suited: Indices
-    suit_torque: Indices
-    dissipated: Indices
-    faults: Indices
+    joints: Whole  # angles of the arm in qpos, and rates in qvel (all joints are hinges), (4,)
+    exo_joints: Whole  # angles of the exoskeleton in qpos, those of the arm if it is rigid, (4,)
+    driven: Whole  # those of the exoskeleton's joints that carry a motor, (2,)
+    assisted: Whole  # positions of the assisted joints in `JOINTS`, (2,)
+    human: Whole  # torques of the wearer in actuator_force, (4,)
+    intention: Whole  # controls of the wearer: position, velocity, feed-forward, (3, 4)
+    encoders: Whole  # angles of the encoders in sensordata, (4,)
+    assist: Whole  # torques of the motors in actuator_force, (2,)
+    motors: Whole  # controls of the motors, which are torques [N·m], (2,)
+    peak_torque: Array  # largest torque of each motor [N·m], (2,)
+    pushes: Whole  # controls of the forces on the grip, (3,); none where a task has none
+    hand: Whole  # place of the grip in sensordata, (3,)
+    cuffs: Whole  # forces on upper arm, forearm and hand in sensordata, (9,)
+    # A joint occurs once for each kind of model that its suit may have, of which one is active.
+    suited: Whole  # positions in `JOINTS` of the joints that suits resist, (n,)
+    suit_torque: Whole  # torques of these models in sensordata, (n,)
+    dissipated: Whole  # energies that they have dissipated in sensordata, (n,)
+    faults: Whole  # fault flags of these models in plugin_state, (n,)
 
     @classmethod
     def of(cls, model: mujoco.MjModel) -> "Addresses":
@@ -304,5 +282,5 @@ class Addresses(NamedTuple):
         )
 
 
-def _indices(values) -> Indices:
+def _indices(values) -> Whole:
     return np.array(list(values), dtype=np.int64)
