@@ -34,6 +34,16 @@ def imported(what: str, place: str, kind: str) -> Any:
         ) from error
 
 
+def called(what: str, function: Callable[..., Any], *given: Any, **options: Any) -> Any:
+    """Returns what a function of a user's returns; `what` begins the message if that fails."""
+    try:
+        return function(*given, **options)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:  # the user's code fails in any way that code can
+        raise InputError(f"{what} ({type(error).__name__}: {error}): repair it") from error
+
+
 class OwnReward:
     """A reward of a user's own, whose mistakes become sentences that name it.
 
@@ -57,12 +67,8 @@ class OwnReward:
     def __call__(self, terms: Mapping[str, Array], measured: Mapping[str, NDArray]) -> Array:
         """Returns the reward of n rows, shape (n,)."""
         rows = measured["lost"].shape
-        try:
-            found = np.asarray(self._function(terms, measured), float)
-        except Exception as error:  # the user's code fails in any way that code can
-            raise InputError(
-                f"the reward {self.name!r} fails ({type(error).__name__}: {error}): mend it"
-            ) from error
+        what = f"the reward {self.name!r} fails"
+        found = called(what, lambda: np.asarray(self._function(terms, measured), float))
         if found.shape != rows:
             raise InputError(
                 f"the reward {self.name!r} has the shape {found.shape}: return {rows}, one number "

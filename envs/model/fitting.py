@@ -8,7 +8,7 @@ import numpy as np
 from ...arrays import Array
 from ...assets import JOINTS, Suit
 from ...hysteresis.engine import attach, same_layout
-from ..person import Person, Segment, isometric_strength, range_of_motion, segments
+from ..person import Person, isometric_strength, range_of_motion, segments
 
 DRAWN = Person()  # the person that arm.xml is drawn for
 ROOTS = ("legs", "torso")
@@ -44,7 +44,9 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
         root.pos = root.pos * size
         stretch(root, np.full(3, size), lengths)
     for name, segment in own.items():
-        _set_segment(spec.body(name), segment)
+        body = spec.body(name)
+        body.mass, body.inertia = segment.mass, np.array(segment.inertia)
+        body.ipos = np.array([0, 0, -segment.center])
     for body, name in _BEGINS_AFTER.items():
         spec.body(body).pos = np.array([0, 0, -own[name].length])
     _set_strength(spec, person)
@@ -79,12 +81,6 @@ def _stretch_inertia(body: mujoco.MjsBody, factors: Array) -> None:
     body.inertia = second_moment.sum() - second_moment
     body.mass *= growth
     body.ipos = body.ipos * factors
-
-
-def _set_segment(body: mujoco.MjsBody, segment: Segment) -> None:
-    body.mass = segment.mass
-    body.ipos = np.array([0, 0, -segment.center])
-    body.inertia = np.array(segment.inertia)
 
 
 def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:

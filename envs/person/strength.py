@@ -57,20 +57,23 @@ def velocity_factor(shortening: float, hill: float, gain: float, knee: float) ->
 
 @njit(cache=True)
 def group_torque(
-    isometric: float,
-    angle: float,
-    speed: float,
-    fastest: float,
-    best_angle: float,
-    width: float,
-    hill: float,
-    gain: float,
-    knee: float,
+    isometric: float, angle: float, speed: float, shape: Array, way: int, joint: int
 ) -> float:
-    """Returns the greatest torque of a muscle group that shortens at `speed` [rad/s]."""
-    offset = (angle - best_angle) / width
+    """Returns the greatest torque of a muscle group that shortens at a speed [N·m].
+
+    Args:
+        isometric: Its isometric torque [N·m].
+        angle: Angle of the joint [rad].
+        speed: Speed at which the group shortens [rad/s].
+        shape: Fastest speed, best angle, width, and the three shape parameters of
+            `velocity_factor`, of all groups, shape (6, 2, 4).
+        way: Number of the direction in `DIRECTIONS`.
+        joint: Number of the joint in `JOINTS`.
+    """
+    offset = (angle - shape[1, way, joint]) / shape[2, way, joint]
     strength = isometric * math.exp(-offset * offset / 2.0)
-    return strength * velocity_factor(speed / fastest, hill, gain, knee)
+    hill, gain, knee = shape[3, way, joint], shape[4, way, joint], shape[5, way, joint]
+    return strength * velocity_factor(speed / shape[0, way, joint], hill, gain, knee)
 
 
 @guvectorize(
@@ -79,29 +82,10 @@ def group_torque(
     cache=True,
 )
 def _limits_of(isometric, angle, rate, groups, low, high):
-    """Computes the least and the greatest torque at every joint, in place.
-
-    `groups` contains these values in turn: fastest speed, best angle, width, and the three shape
-    parameters of `velocity_factor`.
-    """
-    for joint in range(angle.shape[0]):
-        for way in range(2):
-            fastest, best_angle, width, hill, gain, knee = groups[:, way, joint]
-            torque = group_torque(
-                isometric[way, joint],
-                angle[joint],
-                rate[joint] if way == 1 else -rate[joint],
-                fastest,
-                best_angle,
-                width,
-                hill,
-                gain,
-                knee,
-            )
-            if way == 1:
-                high[joint] = torque
-            else:
-                low[joint] = -torque
+    """Computes the least and the greatest torque at every joint, in place."""
+    for j in range(angle.shape[0]):
+        low[j] = -group_torque(isometric[0, j], angle[j], -rate[j], groups, 0, j)
+        high[j] = group_torque(isometric[1, j], angle[j], rate[j], groups, 1, j)
 
 
 # Called through NumPy, since a call of numba's own object takes longer than the computation.

@@ -217,14 +217,11 @@ class IterativeLearning(Compensation):
         given = seen["interaction_torque"][:, self.assisted] + own
         self._missing[(self._period - self._late) % self._cycle] = given
         if self._period and self._period % self._cycle == 0:
-            self._learned = learned(self._learned, self._missing, self._gain, self._ahead, self.dt)
+            ahead = round(self.lead / self.dt)
+            self._learned = learned(self._learned, self._missing, self._gain, ahead, self.dt)
         torque += self._learned[self._period % self._cycle]
         self._period += 1
         return torque
-
-    @property
-    def _ahead(self) -> int:
-        return round(self.lead / self.dt)
 
 
 def learned(known: Array, missing: Array, gain: float, ahead: int, dt: float) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown
+from ..own_code import called
 from .base import Policy
 
 
@@ -29,17 +30,12 @@ class OwnPolicy:
 
     def reset(self) -> None:
         """Clears the memory of the policy."""
-        try:
-            self.policy.reset()
-        except Exception as error:
-            raise self._failed("reset", error) from error
+        called(f"policy {self._name!r} fails in reset()", self.policy.reset)
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns the action of the policy."""
-        try:
-            found = np.asarray(self.policy.act(observation), np.float64)
-        except Exception as error:
-            raise self._failed("act", error) from error
+        what = f"policy {self._name!r} fails in act()"
+        found = called(what, lambda: np.asarray(self.policy.act(observation), np.float64))
         wanted = (*observation.shape[:-1], self._motors)
         if found.shape != wanted:
             raise InputError(
@@ -52,14 +48,6 @@ class OwnPolicy:
                 f"return finite numbers from -1 to 1 of shape {wanted}"
             )
         return found
-
-    def _failed(self, method: str, error: Exception) -> InputError:
-        if isinstance(error, InputError):
-            return error
-        return InputError(
-            f"policy {self._name!r} fails in {method}() ({type(error).__name__}: {error}): repair "
-            "it"
-        )
 
 
 def own_policy(
@@ -74,14 +62,7 @@ def own_policy(
         *given: Its arguments.
         **options: Its options.
     """
-    try:
-        policy = make(*given, **options)
-    except InputError:
-        raise
-    except (Exception, SystemExit) as error:
-        raise InputError(
-            f"policy {name!r} cannot be made ({type(error).__name__}: {error}): repair it"
-        ) from error
+    policy = called(f"policy {name!r} cannot be made", make, *given, **options)
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise InputError(

@@ -253,10 +253,13 @@ class Simulation:
         if self._carries:
             self._exchange(moving)
         if self._pushed:
-            self._push(moving)
+            now = self.state.conditions.push[moving, self._sample(moving)]
+            self._ctrl[moving[:, None], self.addresses.pushes] = now
         self._before(moving, action)
         if self._injector:
-            self._stop_motors(moving, self._injector)
+            time = self.state.episode.step[moving] * self.control_dt
+            stopped = moving[self._injector.has_failed(time)]
+            self._ctrl[stopped[:, None], self.addresses.motors[self._injector.stopped]] = 0.0
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         self._after(moving, True)
         if self._sense:
@@ -409,16 +412,6 @@ class Simulation:
         if changed.size:
             conditions.load[moving] = wanted
             self._row_models.load(changed, conditions.wearer, conditions.load)
-
-    def _stop_motors(self, moving: Rows, injector: FaultInjector) -> None:
-        """Takes the power from motors that have failed."""
-        failed = moving[injector.has_failed(self.state.episode.step[moving] * self.control_dt)]
-        self._ctrl[failed[:, None], self.addresses.motors[injector.stopped]] = 0.0
-
-    def _push(self, moving: Rows) -> None:
-        """Sets the forces on the grips for the coming control period."""
-        now = self.state.conditions.push[moving, self._sample(moving)]
-        self._ctrl[moving[:, None], self.addresses.pushes] = now
 
     def _sample(self, rows: Rows) -> Rows:
         """Returns the sample of the intention at which rows are, shape (k,)."""

@@ -49,17 +49,7 @@ def vary(row: int, step: int, noise: MuscleNoise) -> None:
 @inner(forceinline=True)
 def most(isometric: float, way: int, joint: int, angle: float, speed: float) -> float:
     """Returns the greatest torque of a muscle group with some isometric strength [N·m]."""
-    return group_torque(
-        isometric,
-        angle,
-        speed,
-        SHAPE[0, way, joint],
-        SHAPE[1, way, joint],
-        SHAPE[2, way, joint],
-        SHAPE[3, way, joint],
-        SHAPE[4, way, joint],
-        SHAPE[5, way, joint],
-    )
+    return group_torque(isometric, angle, speed, SHAPE, way, joint)
 
 
 @inner(forceinline=True)
