@@ -8,6 +8,7 @@ All are sums of products of sines and cosines of joint angles, so that they are 
 import copy
 import math
 from collections.abc import Callable
+from typing import Self
 
 import mujoco
 import numpy as np
@@ -27,40 +28,46 @@ class Trigonometric:
     coefficients follow from as many evenly spaced poses as there are products, without error.
 
     Args:
-        function: Function from a pose [rad], shape (joints,), to numbers, any shape.
-        joints: Number of joints.
+        function: Function from angles of the joints on which it depends [rad], shape (joints,), to
+            numbers, any shape.
         degree: Highest degree of the sine and cosine of one joint.
+        first: Number of the first joint in `JOINTS` on which the function depends.
 
     Attributes:
         coefficients: Coefficients of the products, shape (products, numbers). The products of the
             first joints come first, and joint j multiplies them by 1, sin(k angle), cos(k angle).
     """
 
-    def __init__(self, function: Callable[[Array], Array], joints: int, degree: int) -> None:
+    def __init__(self, function: Callable[[Array], Array], degree: int, first: int = 0) -> None:
         turns = np.arange(2 * degree + 1) * math.tau / (2 * degree + 1)
+        joints = len(JOINTS) - first
         poses = np.array(np.meshgrid(*[turns] * joints)).reshape(joints, -1).T
         values = np.array([function(pose) for pose in poses])
         products = np.empty((len(poses), len(poses)))
         for pose, row in zip(poses, products, strict=True):
             _multiply(pose, degree, -1, row)
         self.coefficients = np.linalg.solve(products, values.reshape(len(poses), -1))
-        self._degree, self._shape = degree, values.shape[1:]
+        self._degree, self._first, self._shape = degree, first, values.shape[1:]
 
-    def __sub__(self, other: "Trigonometric") -> "Trigonometric":
-        """Returns the difference of two functions of the same joints and degree."""
+    def __sub__(self, other: Self) -> Self:
+        """Returns what one model has and the other has not."""
         rest = copy.copy(self)
         rest.coefficients = self.coefficients - other.coefficients
         return rest
 
-    def __call__(self, angle: Array, slope: int = -1) -> Array:
-        """Returns the values, shape (n, ...), or their derivative.
+    def __call__(self, angle: Array) -> Array:
+        """Returns the values, shape (n, ...).
 
         Args:
-            angle: Angles [rad], shape (n, joints).
-            slope: Joint with respect to whose angle to differentiate; -1 is none.
+            angle: Angles of the four joints [rad], shape (n, 4).
         """
+        return self.slope(angle, self._first - 1)
+
+    def slope(self, angle: Array, joint: int) -> Array:
+        """Returns the derivative with respect to a joint's angle, or the values for one before."""
         found = np.zeros((len(angle), self.coefficients.shape[1]))
-        _sum(np.ascontiguousarray(angle), self._degree, slope, self.coefficients, found)
+        given = np.ascontiguousarray(angle[:, self._first :])
+        _sum(given, self._degree, joint - self._first, self.coefficients, found)
         return found.reshape(len(angle), *self._shape)
 
 
@@ -91,24 +98,22 @@ def _multiply(angle, degree, slope, products) -> None:
         count *= 2 * degree + 1
 
 
-class BelievedWeight:
-    """The static torque that supports an arm with suit, exoskeleton and load.
+ASSISTED_PLACES = [JOINTS.index(joint) for joint in ASSISTED]
 
-    Between joints that turn about fixed axes, this torque is linear in the sine and in the cosine
-    of each joint's angle (see `Trigonometric`).
+
+class BelievedWeight(Trigonometric):
+    """The static torque at the assisted joints that supports an arm, suit, exoskeleton and load.
+
+    As a function of the four angles it gives torques [N·m], shape (n, 2).
 
     Args:
         model: Model of the believed arm; with cuffs, the exoskeleton's joints are taken at the
             same angles as the arm's.
-
-    Attributes:
-        torque: The torque as a function of the four angles.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
         places = chains(model)
         data, torque = mujoco.MjData(model), np.zeros(model.nv)
-        assisted = [JOINTS.index(joint) for joint in ASSISTED]
 
         def static_torque(pose: Array) -> Array:
             for chain in places:
@@ -116,23 +121,9 @@ class BelievedWeight:
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_rne(model, data, 0, torque)
-            return np.sum([torque[chain] for chain in places], axis=0)[assisted]
+            return np.sum([torque[chain] for chain in places], axis=0)[ASSISTED_PLACES]
 
-        self.torque = Trigonometric(static_torque, len(JOINTS), 1)
-
-    def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
-        """Returns the difference of the static torques of two models."""
-        rest = copy.copy(self)
-        rest.torque = self.torque - other.torque
-        return rest
-
-    def __call__(self, angle: Array) -> Array:
-        """Returns the torque at the assisted joints [N·m], shape (n, 2).
-
-        Args:
-            angle: Angles of the four joints [rad], shape (n, 4).
-        """
-        return self.torque(angle)
+        super().__init__(static_torque, 1)
 
 
 def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
@@ -145,15 +136,14 @@ def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
     ]
 
 
-ASSISTED_PLACES = [JOINTS.index(joint) for joint in ASSISTED]
 BENT = (0.0, 0.0, np.pi / 2, 0.0)  # rad, hanging upper arm and level forearm
 
 
-class BelievedInertia:
+class BelievedInertia(Trigonometric):
     """The mass matrix of an arm with all that it wears and carries, at any pose.
 
-    The matrix depends on the joints below the first one alone, by products of their sines and
-    cosines of degree 2 (see `Trigonometric`).
+    As a function of the four angles it gives matrices [kg·m²], shape (n, 4, 4). The matrix depends
+    on the joints below the first one alone.
 
     Args:
         model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken at
@@ -173,21 +163,7 @@ class BelievedInertia:
             mujoco.mj_fullM(model, data, full)
             return np.sum([full[chain[:, None], chain] for chain in places], axis=0)
 
-        self._matrix = Trigonometric(at, len(JOINTS) - 1, 2)
-
-    def __sub__(self, other: "BelievedInertia") -> "BelievedInertia":
-        """Returns the inertia of what one model has and the other has not."""
-        rest = copy.copy(self)
-        rest._matrix = self._matrix - other._matrix
-        return rest
-
-    def __call__(self, angle: Array) -> Array:
-        """Returns the mass matrix [kg·m²], shape (n, 4, 4).
-
-        Args:
-            angle: Angles of the four joints [rad], shape (n, 4).
-        """
-        return self._matrix(angle[:, 1:])
+        super().__init__(at, 2, first=1)
 
     def nominal(self) -> Array:
         """Returns what each assisted joint moves alone where the elbow is bent [kg·m²], (2,)."""
@@ -211,13 +187,18 @@ class BelievedInertia:
         squares = (rate[:, :, None] * rate[:, None]).reshape(len(rate), -1)
         gyration = np.empty_like(momentum)
         for i, joint in enumerate(ASSISTED_PLACES):
-            slope = self._matrix(angle[:, 1:], slope=joint - 1).reshape(squares.shape)
+            slope = self.slope(angle, joint).reshape(squares.shape)
             gyration[:, i] = (slope * squares).sum(-1) / 2
         return momentum, gyration
 
 
-class CuffLevers:
+class CuffLevers(Trigonometric):
     """Motion of the three cuffs of an exoskeleton per angle of its joints.
+
+    As a function of the four angles it gives motions per angle [m/rad] in the axes of the cuffs'
+    sites, shape (n, 9, 4). The forces that sensors tell on the limb are in these axes; on the
+    exoskeleton they act the other way, so that their torque on a joint is less the sum of the
+    products.
 
     Args:
         model: Model of an arm with its exoskeleton on cuffs.
@@ -225,18 +206,7 @@ class CuffLevers:
 
     def __init__(self, model: mujoco.MjModel) -> None:
         # What a joint moves, seen from there, does not depend on that joint nor on those above it.
-        self._levers = Trigonometric(_levers(model), len(JOINTS) - 1, 1)
-
-    def __call__(self, angle: Array) -> Array:
-        """Returns motions per angle [m/rad] in the axes of the cuffs' sites, shape (n, 9, 4).
-
-        The forces that sensors tell on the limb are in these axes; on the exoskeleton they act the
-        other way, so that their torque on a joint is less the sum of the products.
-
-        Args:
-            angle: Angles of the exoskeleton's joints [rad], shape (n, 4).
-        """
-        return self._levers(angle[:, 1:])
+        super().__init__(_levers(model), 1, first=1)
 
 
 def _levers(model: mujoco.MjModel):
