@@ -86,14 +86,8 @@ def setting(
 ) -> Any:
     """Returns the field of a dataclass that holds a number, declared with all that is known of it.
 
-    Args:
-        default: Default value; `dataclasses.MISSING` for a field that must be given. With None the
-            number may be left out.
-        unit: Unit of the number, "1" for a ratio; or words that follow the range in a message.
-        low: Lowest value.
-        high: Highest value.
-        source: Source of the default.
-        grade: Strength of the evidence for the default.
+    The arguments are those of `Setting` behind the default, which is `REQUIRED` for a field that
+    must be given; with None the number may be left out.
     """
     return field(default=default, metadata={"setting": Setting(unit, low, high, source, grade)})
 

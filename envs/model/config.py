@@ -130,7 +130,10 @@ class ArmConfig:
             within("tilt", angle, -STEEPEST, STEEPEST, " rad")
         flag("preconditioned", self.preconditioned)
         flag("allow_uncertified", self.allow_uncertified)
-        self._check_pressure()
+        if self.suit == NO_SUIT and (self.preconditioned or self.pressure is not None):
+            given = "preconditioned is True"
+            given = given if self.preconditioned else f"pressure is {self.pressure} kPa"
+            raise InputError(f"{given}, but suit is 'none': leave one of them out")
         self._check_coupling()
 
     @property
@@ -149,14 +152,6 @@ class ArmConfig:
     def from_dict(cls, values: Mapping[str, Any]) -> "ArmConfig":
         """Returns the config with the fields in `values`, the others at their defaults."""
         return nested("config", values, cls())
-
-    def _check_pressure(self) -> None:
-        if self.preconditioned and self.suit == NO_SUIT:
-            raise InputError("preconditioned is True, but suit is 'none': leave one of them out")
-        if self.pressure is not None and self.suit == NO_SUIT:
-            raise InputError(
-                f"pressure is {self.pressure} kPa, but suit is 'none': leave one of them out"
-            )
 
     def _check_coupling(self) -> None:
         if self.coupling == "none" and self.exo != Exo():
