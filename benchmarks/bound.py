@@ -15,7 +15,7 @@ from ..envs.evaluation.core import REFERENCES, run
 from ..envs.evaluation.relief import relief
 from ..envs.evaluation.scores import score
 from ..envs.evaluation.wearers import ArmLost, Wearers
-from ..envs.policies.planned import Planned
+from ..envs.policies.model_based import Planned
 from ..scripts.output import progress
 from ..tables import Rows
 

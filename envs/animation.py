@@ -34,13 +34,7 @@ class LoopPanel:
     """
 
     def __init__(
-        self,
-        angle: Array,
-        resistance: Array,
-        human_torque: Array,
-        *,
-        width: int,
-        height: int,
+        self, angle: Array, resistance: Array, human_torque: Array, *, width: int, height: int
     ) -> None:
         dpi = height / INCHES
         figure = Figure(figsize=(width / dpi, INCHES), dpi=dpi, facecolor=BACKGROUND)

@@ -152,7 +152,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         Raises:
             InputError: The action has the wrong shape or is not finite, or there was no reset.
         """
-        self._require_reset("step")
+        self.episodes.require_reset("step")
         episodes = self.episodes
         episodes.step_one(action)
         if self.render_mode == "human":
@@ -193,7 +193,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         The state contains the physics with the suit's memory, the intention, the counters and the
         place in the random streams, as arrays with one row and plain values (picklable).
         """
-        self._require_reset("get_state")
+        self.episodes.require_reset("get_state")
         return self.episodes.state(ROW)
 
     def set_state(self, state: dict[str, Any]) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -244,10 +244,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_data": None}
-
-    def _require_reset(self, what: str) -> None:
-        if self.episodes.simulation.state.episode.episode.item() < 0:
-            raise InputError(f"{what} before the first reset: call reset() first")
 
     def _answer(self) -> tuple[NDArray[np.float32], Info]:
         episodes = self.episodes

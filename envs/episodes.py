@@ -38,13 +38,12 @@ from .reward import (
 from .setup import Setup
 from .simulation import Simulation
 from .simulation.bound import bound
-from .simulation.differing import Variety
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, TIME, snapshot
 from .simulation.plan import Plan
-from .simulation.saving import check_state
+from .simulation.row_models import Variety
 from .simulation.simulation import Start
-from .simulation.streams import fresh_seed, stream
+from .simulation.state import check_state, fresh_seed, stream
 from .simulation.structs import saved
 from .simulation.wearer_control import USUAL
 from .tasks import Task
@@ -182,6 +181,11 @@ class Episodes:
         if self._frames.size:
             self._frames[rows] = self._observed()[rows, None]
         self._judge(rows, False)
+
+    def require_reset(self, what: str) -> None:
+        """Refuses what needs an episode in every row, before the first reset."""
+        if (self._counters.episode < 0).any():
+            raise InputError(f"{what} before the first reset: call reset() first")
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
         """Applies actions for one control period.
@@ -335,16 +339,8 @@ class Episodes:
             places = self.simulation.arm_of(wearer).in_world(plan.motion[0])
             self._watch.watched[row] = False if plan.watched is None else plan.watched
             self._watch.hand_places[row] = places
-        return Start(
-            plan=plan,
-            suit=terms.suit_of(self._suits, streams),
-            encoder_offset=terms.offsets(streams),
-            payload=terms.carried(streams),
-            gravity=terms.place(streams),
-            wearer=wearer,
-            misalignment=terms.shift(streams),
-            noise_scale=terms.noise_scale(streams),
-        )
+        suit = terms.suit_of(self._suits, streams)
+        return Start(plan=plan, suit=suit, wearer=wearer, **terms.drawn(streams))
 
     def _plan(self, rng: np.random.Generator, wearer: int = 0) -> Plan:
         simulation = self.simulation

@@ -23,14 +23,14 @@ LEVELS: dict[str, dict[str, Any]] = {
             "misalignment": 0.02,
             "sensor_noise": [0.5, 2.0],
             "encoder_offset": 0.02,
-        },
+        }
     },
     "shift": {"suit": "emu-like", "pressure": 40.0, "gravity": "mars"},
     "faults": {
         "faults": {
             **{"torque_bias": 2.0, "torque_drift": 0.05, "force_bias": 10.0, "force_drift": 0.25},
             **{"late": 0.1, "lost": 0.05},
-        },
+        }
     },
 }
 """Options of each level; given options replace them.

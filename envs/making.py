@@ -110,31 +110,18 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
     Raises:
         InputError: `make_env` raises it, or the id has wrappers of its own, which rows cannot have.
     """
-    kind, limit, given = _class_of(env_id)
-    if kind is not None:
-        _refuse_overridden(env_id, kind)
-        rows_only = {name: options.pop(name) for name in ROWS_ONLY if name in options}
-        return ArmVectorEnv(rows, **{"max_episode_steps": limit, **given, **options, **rows_only})
-    return _rows_of_made(env_id, rows, options)
-
-
-def _class_of(env_id: str) -> tuple[type[ArmEnv] | None, int | None, dict[str, Any]]:
-    """Returns class, limit and options of an id whose rows can be made without a single arm.
-
-    The class is None where a function, a constructor of its own or a wrapper decides what is made.
-    """
     name = _imported(env_id)
     spec, maker = gymnasium.registry[name], _maker(name)
-    plain = isinstance(maker, type) and maker.__init__ is ArmEnv.__init__
-    if not plain or spec.additional_wrappers:
-        return None, None, {}
-    return maker, spec.max_episode_steps, deepcopy(spec.kwargs)
-
-
-def _rows_of_made(env_id: str, rows: int, options: dict[str, Any]) -> ArmVectorEnv:
-    """Makes a single arm, and rows with its task and options."""
-    of_rows = {name: options.pop(name) for name in ROWS_ONLY if name in options}
-    made, arm = make_env(env_id, **options)
+    of_rows = {one: options.pop(one) for one in ROWS_ONLY if one in options}
+    if (
+        isinstance(maker, type)
+        and maker.__init__ is ArmEnv.__init__
+        and not spec.additional_wrappers
+    ):
+        _refuse_overridden(env_id, maker)
+        given = {**deepcopy(spec.kwargs), **options, **of_rows}
+        return ArmVectorEnv(rows, **{"max_episode_steps": spec.max_episode_steps, **given})
+    made, arm = make_env(env_id, **options)  # a function or a wrapper decides what is made
     made.close()
     limit, layer = None, made
     while isinstance(layer, gymnasium.Wrapper):

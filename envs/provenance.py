@@ -1,6 +1,10 @@
 """Quantities of the simulated person, suit and exoskeleton: values, units, ranges and sources."""
 
+import csv
+from collections.abc import Iterable
 from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, cast
 
 from ..checks import within
@@ -32,6 +36,27 @@ class Quantity:
     grade: Grade
 
 
+def numbers_of(*groups: str) -> tuple[Quantity, ...]:
+    """Returns numbers of `numbers.csv`, in its order.
+
+    Args:
+        *groups: First parts of their names, such as "control".
+    """
+    return tuple(one for one in _numbers() if one.name.partition(".")[0] in groups)
+
+
+@cache
+def _numbers() -> tuple[Quantity, ...]:
+    with Path(__file__).with_name("numbers.csv").open(encoding="utf-8", newline="") as file:
+        rows: Any = csv.DictReader(file)
+        return tuple(Quantity(**{**row, "value": float(row["value"])}) for row in rows)
+
+
+def values_of(quantities: Iterable[Quantity]) -> dict[str, float]:
+    """Returns the values of numbers, by name."""
+    return {one.name: one.value for one in quantities}
+
+
 class Setting(NamedTuple):
     """Unit, range and source of a number that is a field of a configuration.
 
@@ -61,14 +86,8 @@ def setting(
 ) -> Any:
     """Returns the field of a dataclass that holds a number, declared with all that is known of it.
 
-    Args:
-        default: Default value; `dataclasses.MISSING` for a field that must be given. With None the
-            number may be left out.
-        unit: Unit of the number, "1" for a ratio; or words that follow the range in a message.
-        low: Lowest value.
-        high: Highest value.
-        source: Source of the default.
-        grade: Strength of the evidence for the default.
+    The arguments are those of `Setting` behind the default, which is `REQUIRED` for a field that
+    must be given; with None the number may be left out.
     """
     return field(default=default, metadata={"setting": Setting(unit, low, high, source, grade)})
 

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..arrays import Array
 from ..assets import JOINTS, Suit, SuitJoint
 from ..checks import within
 from ..errors import InputError, shown, unknown_name
@@ -189,39 +188,32 @@ class Randomization:
         }
         return replace(plan, **changed)
 
-    def carried(self, streams: Streams) -> Payload | None:
-        """Returns the load of an episode; None is that of the configuration."""
-        if self.payload is None:
-            return None
-        return Payload(mass=float(streams("payload").uniform(*self.payload)))
+    def drawn(self, streams: Streams) -> dict[str, Any]:
+        """Returns what is drawn for an episode beside wearer, suit and plan, as fields of `Start`.
 
-    def place(self, streams: Streams) -> str | None:
-        """Returns the place of an episode; None is that of the configuration."""
-        if not self.gravity:
-            return None
-        return self.gravity[int(streams("gravity").integers(len(self.gravity)))]
+        The load and the place are None where they are those of the configuration.
+        """
+        payload, place, shift = None, None, np.zeros(3)
+        noise, offset = 1.0, np.zeros(len(JOINTS))
+        if self.payload is not None:
+            payload = Payload(mass=float(streams("payload").uniform(*self.payload)))
+        if self.gravity:
+            place = self.gravity[int(streams("gravity").integers(len(self.gravity)))]
+        if self.misalignment:
+            shift = self.misalignment * streams("misalignment").uniform(-1, 1, 3)
+        if self.sensor_noise is not None:
+            noise = float(streams("sensor noise factor").uniform(*self.sensor_noise))
+        if self.encoder_offset:
+            draws = streams("encoder offset").uniform(-1, 1, len(JOINTS))
+            offset = self.encoder_offset * draws
+        return {
+            **{"payload": payload, "gravity": place, "misalignment": shift},
+            **{"noise_scale": noise, "encoder_offset": offset},
+        }
 
     def person(self, streams: Streams) -> int:
         """Returns the number of the wearer of an episode."""
         return int(streams("wearers").integers(len(self.wearers))) if self.wearers else 0
-
-    def shift(self, streams: Streams) -> Array:
-        """Returns the displacement of the exoskeleton in an episode [m], shape (3,)."""
-        if self.misalignment == 0:
-            return np.zeros(3)
-        return self.misalignment * streams("misalignment").uniform(-1, 1, 3)
-
-    def noise_scale(self, streams: Streams) -> float:
-        """Returns the factor of the noise of sensors in an episode."""
-        if self.sensor_noise is None:
-            return 1.0
-        return float(streams("sensor noise factor").uniform(*self.sensor_noise))
-
-    def offsets(self, streams: Streams) -> Array:
-        """Returns the error of every encoder's zero in an episode [rad], shape (4,)."""
-        if self.encoder_offset == 0:
-            return np.zeros(len(JOINTS))
-        return self.encoder_offset * streams("encoder offset").uniform(-1, 1, len(JOINTS))
 
 
 def _range(name: str, given: object, most: float, unit: str) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..checks import within
 from ..errors import InputError, unknown_name
-from .memory import give_back
+from .freed_memory import give_back
 from .model import ArmConfig, compose
 from .model.workplace import CARRIED, Edits
 from .simulation.simulation import Posture

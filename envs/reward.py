@@ -124,9 +124,7 @@ class Watch(NamedTuple):
 
 @njit(cache=True)
 def judge(
-    rows: Whole,
-    moved: bool,
-    arms: Frozen[tuple[Array, Episode, Array, Array, Score]],
+    rows: Whole, moved: bool, arms: Frozen[tuple[Array, Episode, Array, Array, Score]]
 ) -> None:
     """Computes rewards of the last control period of some rows, and which episodes have ended.
 

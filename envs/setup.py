@@ -10,11 +10,11 @@ from .levels import with_level
 from .model import ArmConfig
 from .model.config import nested
 from .observation import checked_sensors
-from .own_reward import OwnReward
+from .own_code import OwnReward
 from .person import VoluntaryControl
 from .randomization import Randomization
 from .simulation.faults import Faults
-from .simulation.sensing import Sensing
+from .simulation.measurements import Sensing
 from .simulation.simulation import PREVIEW
 from .tasks import Task
 
@@ -82,13 +82,16 @@ class Setup:
         own = {name: found[name] for name in found.keys() - OF_ARM if found[name] is not None}
         own = {**USUAL, "fatigue": task.fatigue, **own}
         _check_period(own["control_dt"], arm.timestep)
+        usual_control = VoluntaryControl()
+        delay = round(usual_control.delay / own["control_dt"]) * own["control_dt"]
+        usual_control = replace(usual_control, delay=delay)
         setup = cls(
             arm=arm,
             sensors=checked_sensors(own["sensors"]),
             normalize=own["normalize"],
             history=own["history"],
             control_dt=own["control_dt"],
-            control=nested("control", own["control"], _usual_control(own["control_dt"])),
+            control=nested("control", own["control"], usual_control),
             fatigue=own["fatigue"],
             randomize=nested("randomize", own["randomize"], Randomization()),
             sensing=nested("sensing", own["sensing"], Sensing()),
@@ -144,11 +147,6 @@ def _check_fields(options: Mapping[str, Any]) -> None:
         for name in value if isinstance(value, Mapping) else ():
             if name not in known:
                 raise unknown_name(f"field of {group}", name, known, elsewhere=_PATHS)
-
-
-def _usual_control(control_dt: float) -> VoluntaryControl:
-    usual = VoluntaryControl()
-    return replace(usual, delay=round(usual.delay / control_dt) * control_dt)
 
 
 def _believed(given: Any, arm: ArmConfig, sensors: Sequence[str]) -> ArmConfig | None:

@@ -101,11 +101,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         )
         simulation = self.episodes.simulation
         fps = round(1 / simulation.control_dt)
-        self.metadata = {
-            **self.metadata,
-            "render_fps": fps,
-            "autoreset_mode": self.autoreset_mode,
-        }
+        self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
         self.renderer = ArmRenderer(
@@ -170,7 +166,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             InputError: The actions have another shape or are not finite, or there was no reset, or
                 (with autoreset disabled) an episode is over; nothing has changed.
         """
-        self._require_reset("step")
+        self.episodes.require_reset("step")
         episodes, over = self.episodes, self._over
         if not over.any():
             episodes.step(actions)
@@ -247,7 +243,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         Args:
             rows: The rows; by default all.
         """
-        self._require_reset("get_state")
+        self.episodes.require_reset("get_state")
         return self.episodes.state(self._checked_rows(rows))
 
     def set_state(
@@ -337,10 +333,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
                 f"rows is {shown(rows)}: give different whole numbers from 0 to {self.num_envs - 1}"
             )
         return chosen.astype(np.int64)
-
-    def _require_reset(self, what: str) -> None:
-        if (self.episodes.simulation.state.episode.episode < 0).any():
-            raise InputError(f"{what} before the first reset: call reset() first")
 
     def _infos(self, mask: Bools) -> dict[str, Any]:
         return {} if self._info == "none" else self._read(mask)

@@ -19,7 +19,7 @@ DECLARED = {  # dataclasses whose fields are options, and their files
     "Person": "envs/person/anthropometry.py",
     "VoluntaryControl": "envs/person/control.py",
     "Randomization": "envs/randomization.py",
-    "Sensing": "envs/simulation/sensing.py",
+    "Sensing": "envs/simulation/measurements.py",
     "Faults": "envs/simulation/faults.py",
     "Corrections": "identification/corrections.py",
 }

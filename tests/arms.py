@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 from activesuit.envs import ArmEnv
 from activesuit.envs.person import Person
-from activesuit.envs.simulation.addresses import Addresses
+from activesuit.envs.simulation.structs import Addresses
 
 PEOPLE = [  # the usual one, two of the survey, and both ends of what is allowed
     Person(),

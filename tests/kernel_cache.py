@@ -25,7 +25,7 @@ def choose() -> None:
     Numba's own check of its cache sees a function's file, but not the functions that it calls.
     """
     digest = sha256()
-    for path in sorted(kernel_sources()):
+    for path in (*sorted(kernel_sources()), ROOT / "envs" / "numbers.csv"):
         digest.update(path.read_bytes())
     folder = STORE / digest.hexdigest()[:16]
     for other in set(STORE.glob("*")) - {folder}:

@@ -1,8 +1,8 @@
 """What a controller believes of the arm: the suit's torque, weight, inertia and levers."""
 
 from .arm import Belief, BelievedArm
-from .cuff_levers import CuffLevers
-from .torque import LEAD, BelievedSuit, BelievedWeight, JointBelief, belief_of, count_of
+from .rigid import BelievedWeight, CuffLevers
+from .suit import LEAD, BelievedSuit, JointBelief, belief_of, count_of
 
 __all__ = [
     "LEAD",

@@ -13,8 +13,8 @@ from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
 from ..model.workplace import Edits
 from ..person import Person
 from ..provenance import check_settings, setting
-from .inertia import BelievedInertia
-from .torque import BelievedSuit, BelievedWeight, count_of
+from .rigid import BelievedInertia, BelievedWeight
+from .suit import BelievedSuit, count_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,9 +23,9 @@ from ..levels import COMPARED, LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
-from ..policies.build import believes, is_saved
+from ..policies.registry import believes, is_saved
 from ..policies.trained import shipped_policies
-from ..simulation.sensing import Sensing
+from ..simulation.measurements import Sensing
 from ..tasks import TASKS, Task
 
 VERSION = 3  # wearers of 2 could not aim, and did not pay for usual co-contraction

@@ -18,7 +18,7 @@ import numpy as np
 from ...arrays import Array
 from ...assets import JOINTS
 from ..model import ASSISTED, Motor
-from ..policies.planned import Planned
+from ..policies.model_based import Planned
 from .rollout import Trace
 from .scores import root_mean_square
 from .wearers import ArmLost, Wearers, smoothed

@@ -14,7 +14,7 @@ from ...errors import InputError, unknown_name
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
-from ..policies.outside import own_policy
+from ..policies.own import own_policy
 from ..randomization import Randomization
 from .bounds import BOUNDS, clairvoyant
 from .rollout import Trace

@@ -19,7 +19,7 @@ from ..levels import NOMINAL
 from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
 from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
-from ..policies.build import maker_of, options_of
+from ..policies.registry import PolicyKind
 from .compare import Evaluation, evaluate
 from .core import FIRST_SEED
 from .rollout import Trace
@@ -213,8 +213,7 @@ def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
         raise InputError(
             f"the policy {str(spec)!r} has a suit: leave that out, as the believed suits are given"
         )
-    maker = maker_of(spec.name)
-    if maker is None or "suit" not in options_of(maker):
+    if "suit" not in PolicyKind.of(spec.name).options:
         return spec
     return PolicySpec(spec.name, {**spec.options, "suit": suit})
 

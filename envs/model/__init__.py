@@ -1,11 +1,17 @@
 """The simulated arm as a MuJoCo model: a person, a suit, and an exoskeleton that fits both."""
 
-from .compose import arm_spec, bare_arm, compose, resisting_joints, suit_of_config
+from .compose import (
+    arm_spec,
+    bare_arm,
+    compose,
+    for_warp,
+    load_model,
+    resisting_joints,
+    suit_of_config,
+)
 from .config import GRAVITY, ArmConfig, Payload
 from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_step
-from .for_warp import for_warp
-from .loading import load_model
-from .mirroring import mirror
+from .variants import mirror
 
 __all__ = [
     "ASSISTED",

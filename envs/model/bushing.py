@@ -29,9 +29,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine.native import STAGE_VEL, compile_plugin, layout, register_plugin
-from ._bushing_callbacks import build
-from ._bushing_configuration import KEYS, LARGEST_OFFSET, PLUGIN_NAME, Layout
-from ._bushing_kernels import PARAMETER_SIZE
+from ._bushing_plugin import KEYS, LARGEST_OFFSET, PARAMETER_SIZE, PLUGIN_NAME, Layout, build
 
 SENSORS = ("force", "torque", "energy")
 

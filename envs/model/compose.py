@@ -1,23 +1,26 @@
-"""Turns a configuration into a MuJoCo model with the suit inside the physics."""
+"""Turns a configuration into a MuJoCo model with the suit inside the physics, and loads models."""
 
 import copy
 import math
+import os
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from ...assets import SCENE, Suit, SuitJoint, load_suit
-from ..memory import give_back_after
+from ...errors import InputError, shown
+from ...hysteresis import engine
+from ..freed_memory import give_back_after
 from ..person import segments
+from . import bushing
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
 from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
-from .fitting import fit_person
-from .lean import make_lean, remove_drawings
-from .mirroring import mirror
-from .suit import attach_others, attach_suit, remove_suit
+from .fitting import attach_others, attach_suit, fit_person, remove_suit
+from .variants import make_lean, mirror, remove_drawings, taken_keyframes
 from .workplace import Edits, edit, grip, holder
 
 
@@ -116,11 +119,7 @@ def _bare(config: ArmConfig) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(
-    config: ArmConfig,
-    suit: str | None,
-    drawn: bool,
-    others: tuple[str, ...],
-    edits: Edits | None,
+    config: ArmConfig, suit: str | None, drawn: bool, others: tuple[str, ...], edits: Edits | None
 ) -> mujoco.MjModel:
     # The key has the content of the suit file, since the file at a path may change.
     parsed = None if suit is None else Suit.model_validate_json(suit)
@@ -164,33 +163,30 @@ def _built(
 def _undrawn() -> mujoco.MjSpec:
     """Returns the scene without drawings, cached: deleting them takes longer than all the rest."""
     spec = mujoco.MjSpec.from_file(str(SCENE))
-    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
-    for key in spec.keys:
-        spec.delete(key)
+    keyframes = taken_keyframes(spec)
     remove_drawings(spec)
-    for name, qpos, act, ctrl in keys:
-        spec.add_key(name=name, qpos=qpos, act=act, ctrl=ctrl)
+    for keyframe in keyframes:
+        spec.add_key(**keyframe)
     return spec
 
 
 def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
     """Removes the parts that `config` does not have."""
-    postures = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
-    for key in spec.keys:  # their sizes depend on what follows
-        spec.delete(key)
+    keyframes = taken_keyframes(spec)  # their sizes depend on what follows
     if config.suit == NO_SUIT:
         remove_suit(spec)
     if config.coupling == "none":
         remove_exoskeleton(spec)
-        postures = [(name, qpos, [], ctrl[: -len(ASSISTED)]) for name, qpos, _, ctrl in postures]
+        for keyframe in keyframes:
+            keyframe |= {"act": [], "ctrl": keyframe["ctrl"][: -len(ASSISTED)]}
     if config.gravity == "microgravity":
         spec.delete(spec.geom("floor"))
         for geom in spec.body("foot_restraint").geoms:
             geom.group = 2
     else:
         spec.delete(spec.body("foot_restraint"))
-    for name, qpos, act, ctrl in postures:
-        spec.add_key(name=name, qpos=qpos, act=act, ctrl=ctrl)
+    for keyframe in keyframes:
+        spec.add_key(**keyframe)
 
 
 def _add_payload(spec: mujoco.MjSpec, payload: Payload) -> None:
@@ -225,3 +221,81 @@ def _place(spec: mujoco.MjSpec, config: ArmConfig) -> None:
     raised = np.zeros(3)
     mujoco.mju_rotVecQuat(raised, torso.pos - hips.pos, lean)
     torso.pos, torso.quat = hips.pos + raised, lean
+
+
+PID, FIXED = mujoco.mjtGain.mjGAIN_PID, mujoco.mjtGain.mjGAIN_FIXED
+AUTORESET = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+
+
+def for_warp(config: ArmConfig) -> mujoco.MjModel:
+    """Builds the arm and the exoskeleton of a configuration for MuJoCo Warp.
+
+    It has no drawings, no plugins and no keyframes. `activesuit.hysteresis.warp.attach` adds the
+    suit's torque: models and starts are those of `resisting_joints(config)`. Each of the wearer's
+    four actuators has one input u instead of three. Its torque is u - kp q - kv v within the same
+    limits, where kp and kv are `-actuator_biasprm[i, 1:3]`. So u = kp q* + kv v* + ff gives the
+    torque that `compose` gives with the inputs q*, v* and ff, to the last bit in MuJoCo. The ranges
+    of those three inputs are for the caller to keep.
+
+    Args:
+        config: Configuration of the model.
+
+    Returns:
+        Model, the inputs of which are the wearer's four joints and then the motors.
+
+    Raises:
+        InputError: The exoskeleton is connected by cuffs.
+    """
+    if config.coupling == "cuffs":
+        raise InputError(
+            "coupling is 'cuffs', whose forces are a plugin, which MuJoCo Warp has not: use "
+            "'rigid' or 'none'"
+        )
+    spec = _built(config, None, drawn=False)
+    taken_keyframes(spec)
+    for motor in spec.actuators:
+        if motor.gaintype == PID:
+            motor.gaintype, motor.gainprm, motor.ctrlspec = FIXED, np.eye(10)[0], 0
+    spec.option.disableflags &= ~AUTORESET
+    make_lean(spec)
+    return spec.compile()
+
+
+READERS = {".xml": mujoco.MjModel.from_xml_path, ".mjb": mujoco.MjModel.from_binary_path}
+
+
+def load_model(path: str | os.PathLike[str]) -> mujoco.MjModel:
+    """Returns the model in a file of MJCF (.xml) or in MuJoCo's binary format (.mjb).
+
+    A binary file has the numbers of its plugins, and not their names: what else registers plugins
+    must have done so in the same order as in the process that saved it, or MuJoCo ends the process.
+    MJCF has the names, and MuJoCo reports one that it does not know.
+
+    Args:
+        path: Path of the file.
+
+    Raises:
+        InputError: There is no such file, its name ends otherwise, or MuJoCo refuses its content,
+            which is truncated, damaged or of another version.
+    """
+    engine.register()
+    bushing.register()
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"the model is {shown(path)}: give the path of a .xml or .mjb file")
+    file = Path(path)
+    read = READERS.get(file.suffix.lower())
+    if read is None:
+        raise InputError(
+            f"{shown(str(path))} is no .xml and no .mjb file: give one of these, or save the model "
+            "as one"
+        )
+    if not file.is_file():
+        raise InputError(f"there is no file {shown(str(path))}: give the path of a model")
+    try:
+        return read(str(file))
+    except ValueError as error:
+        why = " ".join(str(error).split())
+        raise InputError(
+            f"MuJoCo {mujoco.__version__} cannot load {shown(str(path))} ({why}): repair the file, "
+            "or save the model again with this version"
+        ) from error

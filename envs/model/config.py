@@ -11,7 +11,7 @@ from ...assets.suits import HIGHEST_PRESSURE
 from ...checks import flag, within
 from ...errors import InputError, refuse_old_names, unknown_name
 from ..person import Person
-from ..provenance import Quantity, check_settings, setting
+from ..provenance import check_settings, numbers_of, setting, values_of
 from .exoskeleton import Exo
 
 NO_SUIT = "none"
@@ -21,18 +21,10 @@ HEAVIEST_PAYLOAD = 60.0  # kg
 LARGEST_MISALIGNMENT = 0.05  # m
 STEEPEST = math.pi / 2  # rad
 
-_FACTS = "NASA planetary fact sheets"
-_GRAVITY = (
-    Quantity("gravity.earth", 9.81, "m/s²", _FACTS, "published"),
-    Quantity("gravity.mars", 3.71, "m/s²", _FACTS, "published"),
-    Quantity("gravity.moon", 1.62, "m/s²", _FACTS, "published"),
-    Quantity("gravity.microgravity", 0.0, "m/s²", "free fall", "derived"),
-)
-_DENSITY = Quantity(
-    "payload.density", 2700.0, "kg/m³", "aluminum, the usual metal of space hardware", "assumed"
-)
-PROVENANCE: tuple[Quantity, ...] = (*_GRAVITY, _DENSITY)
-GRAVITY = {quantity.name.removeprefix("gravity."): quantity.value for quantity in _GRAVITY}
+PROVENANCE = numbers_of("gravity", "payload")
+_VALUE = values_of(PROVENANCE)
+_DENSITY = _VALUE.pop("payload.density")  # kg/m³
+GRAVITY = {name.removeprefix("gravity."): value for name, value in _VALUE.items()}  # m/s²
 
 Config = TypeVar("Config")
 
@@ -67,7 +59,7 @@ class Payload:
     @property
     def radius(self) -> float:
         """Radius of the sphere that shows the load [m]."""
-        return (3 * self.mass / (4 * math.pi * _DENSITY.value)) ** (1 / 3)
+        return (3 * self.mass / (4 * math.pi * _DENSITY)) ** (1 / 3)
 
     @property
     def moments(self) -> tuple[float, float, float]:
@@ -138,7 +130,10 @@ class ArmConfig:
             within("tilt", angle, -STEEPEST, STEEPEST, " rad")
         flag("preconditioned", self.preconditioned)
         flag("allow_uncertified", self.allow_uncertified)
-        self._check_pressure()
+        if self.suit == NO_SUIT and (self.preconditioned or self.pressure is not None):
+            given = "preconditioned is True"
+            given = given if self.preconditioned else f"pressure is {self.pressure} kPa"
+            raise InputError(f"{given}, but suit is 'none': leave one of them out")
         self._check_coupling()
 
     @property
@@ -157,14 +152,6 @@ class ArmConfig:
     def from_dict(cls, values: Mapping[str, Any]) -> "ArmConfig":
         """Returns the config with the fields in `values`, the others at their defaults."""
         return nested("config", values, cls())
-
-    def _check_pressure(self) -> None:
-        if self.preconditioned and self.suit == NO_SUIT:
-            raise InputError("preconditioned is True, but suit is 'none': leave one of them out")
-        if self.pressure is not None and self.suit == NO_SUIT:
-            raise InputError(
-                f"pressure is {self.pressure} kPa, but suit is 'none': leave one of them out"
-            )
 
     def _check_coupling(self) -> None:
         if self.coupling == "none" and self.exo != Exo():

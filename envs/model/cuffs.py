@@ -17,53 +17,16 @@ import numpy as np
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
-from ..provenance import Quantity
+from ..provenance import numbers_of, values_of
 from .bushing import Bushing, Triple, attach_bushing, move_bushing
 from .fitting import stretch
+from .variants import taken_keyframes
 
-_SCHIEBL = "Schiebl et al. 2025, Sensors 25(15), 4605, upper arm of 21 adults"
-_ACROSS = Quantity(
-    "cuff.stiffness.across", 4500.0, "N/m", f"{_SCHIEBL}, greatest median", "published"
-)
-_ALONG = Quantity("cuff.stiffness.along", 2100.0, "N/m", f"{_SCHIEBL}, least median", "published")
-_ABOUT_ACROSS = Quantity(
-    "cuff.stiffness.about_across",
-    0.20,
-    "N·m/deg",
-    f"{_SCHIEBL}, mean of four linear group regressions, 0.18 to 0.22",
-    "published",
-)
-_ABOUT_ALONG = Quantity(
-    "cuff.stiffness.about_along", 0.03, "N·m/deg", f"{_SCHIEBL}, abstract", "published"
-)
-_DAMPING_RATIO = Quantity(
-    "cuff.damping_ratio", 0.5, "1", "soft tissue, between 0.3 and 1", "assumed"
-)
-_ISO = "ISO/TS 15066 effective mass, as cited by others"
-_MASSES = {
-    "upper_arm": Quantity("cuff.upper_arm.mass", 3.0, "kg", _ISO, "assumed"),
-    "forearm": Quantity("cuff.forearm.mass", 2.0, "kg", _ISO, "assumed"),
-    "hand": Quantity("cuff.hand.mass", 0.6, "kg", _ISO, "assumed"),
-}
-
-_SAFETY = "ISO/TS 15066: quasi-static contact force"
-_FORCE_LIMITS = {
-    "upper_arm": Quantity("cuff.upper_arm.force_limit", 150.0, "N", _SAFETY, "transcribed"),
-    "forearm": Quantity("cuff.forearm.force_limit", 160.0, "N", _SAFETY, "transcribed"),
-    "hand": Quantity("cuff.hand.force_limit", 140.0, "N", _SAFETY, "transcribed"),
-}
-FORCE_LIMITS = {segment: limit.value for segment, limit in _FORCE_LIMITS.items()}
+PROVENANCE = numbers_of("cuff")
+_VALUE = values_of(PROVENANCE)
+_SEGMENTS = ("upper_arm", "forearm", "hand")
+FORCE_LIMITS = {segment: _VALUE[f"cuff.{segment}.force_limit"] for segment in _SEGMENTS}
 """Largest force that a person should bear from a machine, by segment [N]."""
-
-PROVENANCE: tuple[Quantity, ...] = (
-    _ACROSS,
-    _ALONG,
-    _ABOUT_ACROSS,
-    _ABOUT_ALONG,
-    _DAMPING_RATIO,
-    *_MASSES.values(),
-    *_FORCE_LIMITS.values(),
-)
 
 # Bodies of the exoskeleton, and the body of the arm in whose frame each is drawn.
 CHAIN = {
@@ -81,10 +44,14 @@ def _cuff(mass: float) -> Bushing:
 
     The dampers have the damping ratio for the effective mass of the segment on the stiffest spring.
     """
-    turning = [math.degrees(quantity.value) for quantity in (_ABOUT_ACROSS, _ABOUT_ALONG)]
-    stiffness = np.array([_ACROSS.value, _ACROSS.value, _ALONG.value])
+    across, along, about_across, about_along = (
+        _VALUE[f"cuff.stiffness.{way}"]  # [N/m] and [N·m/deg]
+        for way in ("across", "along", "about_across", "about_along")
+    )
+    turning = [math.degrees(about_across), math.degrees(about_along)]
+    stiffness = np.array([across, across, along])
     rotational = np.array([turning[0], *turning])  # N·m/rad
-    loss_time = 2 * _DAMPING_RATIO.value * math.sqrt(mass / _ACROSS.value)
+    loss_time = 2 * _VALUE["cuff.damping_ratio"] * math.sqrt(mass / across)
     return Bushing(
         stiffness=tuple(stiffness),
         rotational_stiffness=tuple(rotational),
@@ -93,7 +60,7 @@ def _cuff(mass: float) -> Bushing:
     )
 
 
-CUFFS = {segment: _cuff(mass.value) for segment, mass in _MASSES.items()}
+CUFFS = {segment: _cuff(_VALUE[f"cuff.{segment}.mass"]) for segment in _SEGMENTS}
 """The cuff on each segment, z along the limb. Its stiffness was measured on the bare upper arm and
 is assumed for the others, and through the sleeve of a suit."""
 
@@ -126,9 +93,7 @@ def couple(
         raise InputError("the model is not the arm of arm.xml with its rigid exoskeleton: give it")
     outward = np.sign(spec.body("shoulder").pos[1])
     shift = np.array(misalignment) * (1, outward, 1)
-    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
-    for key in list(spec.keys):
-        spec.delete(key)  # keyframes prevent moving bodies
+    keyframes = taken_keyframes(spec)  # they prevent moving bodies
     base = spec.body("exo_base")
     base.pos = base.pos + shift
     begins = [shift, np.zeros(3), *_lengthen(spec, excess)]
@@ -145,9 +110,9 @@ def couple(
         limb.group, limb.size = site.group, site.size
         bushing = replace(CUFFS[segment], offset=tuple((-away).tolist()))
         attach_bushing(spec, f"cuff_{segment}", limb.name, name, bushing)
-    for name, qpos, act, ctrl in keys:
-        arm, others = qpos[: len(JOINTS)], qpos[len(JOINTS) :]
-        spec.add_key(name=name, qpos=arm + arm + others, act=act, ctrl=ctrl)
+    for keyframe in keyframes:
+        arm = keyframe["qpos"][: len(JOINTS)]
+        spec.add_key(**{**keyframe, "qpos": [*arm, *keyframe["qpos"]]})
 
 
 def shift_exoskeleton(model: mujoco.MjModel, body_pos: Array, by: Array) -> None:

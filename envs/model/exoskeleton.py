@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InputError
-from ..elementwise import elementwise
+from ...kernels import elementwise
 from ..provenance import REQUIRED, Quantity, check_settings, quantities_of, setting
-from .motor_kernels import heated
 
 ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
 
@@ -255,3 +255,21 @@ def _set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
         controller=[0, 0, 0, 0, 0, resistance * motor.peak_torque],
         ctrlspec=mujoco.mjtCtrlInput.mjINPUT_FF.value,
     )
+
+
+@njit(cache=True)
+def heated(mean_square: float, torque: float, time_constant: float, dt: float) -> float:
+    """Returns the running mean square of a torque after `dt`."""
+    remains = math.exp(-dt / time_constant)
+    return torque * torque + remains * (mean_square - torque * torque)
+
+
+@njit(cache=True)
+def clipped(
+    torque: float, mean_square: float, continuous: float, time_constant: float, dt: float
+) -> float:
+    """Returns the torque, limited so that the mean square stays below the continuous one."""
+    remains = math.exp(-dt / time_constant)
+    allowed = (continuous * continuous - remains * mean_square) / (1.0 - remains)
+    limit = math.sqrt(max(allowed, 0.0))
+    return max(-limit, min(torque, limit))

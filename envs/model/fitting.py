@@ -1,11 +1,14 @@
-"""Scales the drawn arm to a person."""
+"""Fits person and suit to the drawn arm: sizes, masses and strength; the torque of the suit."""
+
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
 from ...arrays import Array
-from ...assets import JOINTS
-from ..person import Person, Segment, isometric_strength, segments
+from ...assets import JOINTS, Suit
+from ...hysteresis.engine import attach, same_layout
+from ..person import Person, isometric_strength, range_of_motion, segments
 
 DRAWN = Person()  # the person that arm.xml is drawn for
 ROOTS = ("legs", "torso")
@@ -41,7 +44,9 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
         root.pos = root.pos * size
         stretch(root, np.full(3, size), lengths)
     for name, segment in own.items():
-        _set_segment(spec.body(name), segment)
+        body = spec.body(name)
+        body.mass, body.inertia = segment.mass, np.array(segment.inertia)
+        body.ipos = np.array([0, 0, -segment.center])
     for body, name in _BEGINS_AFTER.items():
         spec.body(body).pos = np.array([0, 0, -own[name].length])
     _set_strength(spec, person)
@@ -78,12 +83,6 @@ def _stretch_inertia(body: mujoco.MjsBody, factors: Array) -> None:
     body.ipos = body.ipos * factors
 
 
-def _set_segment(body: mujoco.MjsBody, segment: Segment) -> None:
-    body.mass = segment.mass
-    body.ipos = np.array([0, 0, -segment.center])
-    body.inertia = np.array(segment.inertia)
-
-
 def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:
     strength = isometric_strength(person)
     for joint, limits in zip(JOINTS, (strength * [[-1], [1]]).T, strict=True):
@@ -95,3 +94,58 @@ def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:
         most = stiffness * FARTHEST + damping * actuator.velrange[1]
         actuator.ffrange = limits + most * np.array([-1, 1])
         spec.joint(joint).actfrcrange = limits
+
+
+def attach_suit(spec: mujoco.MjSpec, suit: Suit, *, allow_uncertified: bool = False) -> None:
+    """Makes the arm's joints resist with the suit's torque, in place.
+
+    Raises:
+        UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
+    """
+    for joint, entry in suit.joints.items():
+        attach(
+            spec,
+            joint,
+            entry.model,
+            start_angle=entry.start_angle,
+            start_torque=entry.start_torque,
+            start_path=entry.start_path,
+            allow_uncertified=allow_uncertified,
+        )
+
+
+def attach_others(
+    spec: mujoco.MjSpec,
+    suit: Suit | None,
+    others: Sequence[Suit],
+    *,
+    allow_uncertified: bool = False,
+) -> None:
+    """Attaches inactive models, which other suits and their samples can activate later, in place.
+
+    Raises:
+        UncertifiedModelError: A suit is not certified and `allow_uncertified` is not set.
+    """
+    for joint in JOINTS:
+        there = [suit.joints[joint].model] if suit is not None and joint in suit.joints else []
+        for entry in (suit.joints[joint] for suit in others if joint in suit.joints):
+            for model in (entry.model, *entry.samples):
+                if not any(same_layout(model, known) for known in there):
+                    attach(
+                        spec,
+                        joint,
+                        model,
+                        start_angle=entry.start_angle,
+                        start_torque=entry.start_torque,
+                        allow_uncertified=allow_uncertified,
+                        taken_off=True,
+                    )
+                    there.append(model)
+
+
+def remove_suit(spec: mujoco.MjSpec) -> None:
+    """Removes the drawn suit, in place: joints then move as far as the person can."""
+    for body in [body for body in spec.bodies if body.name.startswith("suit_")]:
+        spec.delete(body)
+    for joint in JOINTS:
+        spec.joint(joint).range = np.array(range_of_motion(joint))

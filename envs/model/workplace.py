@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from ...arrays import Array
+from .variants import taken_keyframes
 
 PUSHES = ("push_forward", "push_outward", "push_up")  # motors whose control is a force [N]
 CARRIED = "carried"  # prefix of the names of geoms that are visible only with a load
@@ -32,8 +33,7 @@ class Edits:
 
 def edit(spec: mujoco.MjSpec, edits: Edits) -> None:
     """Applies edits, and removes keyframes, whose sizes the edits may change."""
-    for key in spec.keys:
-        spec.delete(key)
+    taken_keyframes(spec)
     edits.apply(spec)
 
 

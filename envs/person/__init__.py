@@ -2,9 +2,8 @@
 
 from .anthropometry import Person, Segment, range_of_motion, segments
 from .control import VoluntaryControl
-from .effort import EffortMetrics, effort_metrics
+from .effort import EffortMetrics, effort_metrics, log_dimensionless_jerk, spectral_arc_length
 from .fatigue import endurance_time, fatigue_step, muscle_load
-from .smoothness import log_dimensionless_jerk, spectral_arc_length
 from .strength import isometric_strength, passive_torque, strength_limits
 
 __all__ = [

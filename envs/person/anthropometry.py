@@ -8,86 +8,20 @@ from typing import Literal, cast
 
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
-from ..provenance import Grade, Quantity
+from ..provenance import numbers_of, values_of
 
 SEXES = ("male", "female")
 
-_ANSUR = "Gordon et al. 2014, ANSUR II, NATICK/TR-15/007"
-_RECALLED = f"{_ANSUR}, quoted from memory; the pooled mean of both sexes, 79.7 kg, agrees"
-# Mean and standard deviation of stature [m] and body mass [kg], by sex.
-_POPULATION = {
-    "male": {"stature": (1.756, 0.0686), "mass": (85.5, 14.2)},
-    "female": {"stature": (1.629, 0.0642), "mass": (67.8, 11.0)},
-}
-_POPULATION_SOURCE: dict[str, tuple[str, str, Grade]] = {
-    "stature": ("m", _ANSUR, "transcribed"),
-    "mass": ("kg", _RECALLED, "assumed"),
-}
-
+PROVENANCE = numbers_of("population", "segments", "range_of_motion")
+_VALUE = values_of(PROVENANCE)
 _USUAL = {
     "male": {"stature": 1.78, "mass": 80.0},
-    "female": {what: mean for what, (mean, _) in _POPULATION["female"].items()},
+    "female": {what: _VALUE[f"population.female.{what}.mean"] for what in ("stature", "mass")},
 }
 
-_DE_LEVA = "de Leva 1996, J. Biomech. 29(9), 1223-1230"
-_COLUMNS: tuple[tuple[str, str, str, Grade], ...] = (
-    ("length", "mm", f"{_DE_LEVA}, quoted from memory; between joint centers", "assumed"),
-    ("mass", "1", f"{_DE_LEVA}; fraction of body mass", "transcribed"),
-    ("center", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
-    ("gyration_sagittal", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
-    ("gyration_transverse", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
-    ("gyration_longitudinal", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
-)
-# The hand ends at the head of the third metacarpal.
-_SEGMENTS = {
-    "male": {
-        "upper_arm": (281.7, 0.0271, 0.5772, 0.285, 0.269, 0.158),
-        "forearm": (268.9, 0.0162, 0.4574, 0.276, 0.265, 0.121),
-        "hand": (86.2, 0.0061, 0.7900, 0.628, 0.513, 0.401),
-    },
-    "female": {
-        "upper_arm": (275.1, 0.0255, 0.5754, 0.278, 0.260, 0.148),
-        "forearm": (264.3, 0.0138, 0.4559, 0.261, 0.257, 0.094),
-        "hand": (78.0, 0.0056, 0.7474, 0.531, 0.454, 0.335),
-    },
-}
-_SEGMENT_STATURE = {"male": 1741.0, "female": 1735.0}  # [mm], mean of the measured people
-
-_BOONE = "Boone and Azen 1979, men"
-_RANGES: dict[str, tuple[tuple[float, str, Grade], tuple[float, str, Grade]]] = {  # degrees
-    "shoulder_abduction": (
-        (-11.5, "limited by the torso", "assumed"),
-        (184.0, _BOONE, "transcribed"),
-    ),
-    "shoulder_flexion": ((-62.0, _BOONE, "transcribed"), (167.0, _BOONE, "transcribed")),
-    "elbow_flexion": ((0.0, "AAOS", "transcribed"), (143.0, _BOONE, "transcribed")),
-    "wrist_flexion": ((-75.0, _BOONE, "transcribed"), (76.0, _BOONE, "transcribed")),
-}
-
-PROVENANCE: tuple[Quantity, ...] = (
-    *(
-        Quantity(f"population.{sex}.{what}.{statistic}", value, *_POPULATION_SOURCE[what])
-        for sex, sizes in _POPULATION.items()
-        for what, pair in sizes.items()
-        for statistic, value in zip(("mean", "standard_deviation"), pair, strict=True)
-    ),
-    *(
-        Quantity(
-            f"segments.{sex}.stature", value, "mm", f"{_DE_LEVA}, quoted from memory", "assumed"
-        )
-        for sex, value in _SEGMENT_STATURE.items()
-    ),
-    *(
-        Quantity(f"segments.{sex}.{segment}.{column}", value, unit, source, grade)
-        for sex, table in _SEGMENTS.items()
-        for segment, row in table.items()
-        for (column, unit, source, grade), value in zip(_COLUMNS, row, strict=True)
-    ),
-    *(
-        Quantity(f"range_of_motion.{joint}.{end}", value, "deg", source, grade)
-        for joint, ends in _RANGES.items()
-        for end, (value, source, grade) in zip(("low", "high"), ends, strict=True)
-    ),
+_COLUMNS = (
+    *("length", "mass", "center"),  # mm, fraction of body mass, fraction of length
+    *("gyration_sagittal", "gyration_transverse", "gyration_longitudinal"),
 )
 
 
@@ -133,10 +67,13 @@ class Person:
         if sex not in SEXES:
             raise unknown_name("sex", sex, SEXES)
         _check("percentile", percentile, "a percentile", 1, 99)
-        sizes = {
-            what: NormalDist(*pair).inv_cdf(percentile / 100)
-            for what, pair in _POPULATION[sex].items()
-        }
+        sizes = {}
+        for what in ("stature", "mass"):
+            mean, deviation = (
+                _VALUE[f"population.{sex}.{what}.{statistic}"]
+                for statistic in ("mean", "standard_deviation")
+            )
+            sizes[what] = NormalDist(mean, deviation).inv_cdf(percentile / 100)
         return cls(sex=sex, **sizes)
 
 
@@ -164,9 +101,12 @@ def segments(person: Person) -> dict[str, Segment]:
 
     Lengths scale with stature and masses with body mass, by the tables of de Leva 1996.
     """
-    scale = person.stature / _SEGMENT_STATURE[person.sex]
+    of = f"segments.{person.sex}"
+    scale = person.stature / _VALUE[f"{of}.stature"]
     result = {}
-    for name, (mm, mass_fraction, center, *gyration) in _SEGMENTS[person.sex].items():
+    for name in ("upper_arm", "forearm", "hand"):
+        row = (_VALUE[f"{of}.{name}.{column}"] for column in _COLUMNS)
+        mm, mass_fraction, center, *gyration = row
         length = mm * scale
         mass = mass_fraction * person.mass
         sagittal, transverse, longitudinal = (mass * (ratio * length) ** 2 for ratio in gyration)
@@ -181,9 +121,9 @@ def segments(person: Person) -> dict[str, Segment]:
 
 def range_of_motion(joint: str) -> tuple[float, float]:
     """Returns the lowest and highest joint angle of a healthy adult without a suit [rad]."""
-    if joint not in _RANGES:
+    if joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)
-    (low, _, _), (high, _, _) = _RANGES[joint]
+    low, high = (_VALUE[f"range_of_motion.{joint}.{end}"] for end in ("low", "high"))
     return radians(low), radians(high)
 
 

@@ -40,163 +40,23 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...checks import flag
 from ...errors import InputError
-from ..provenance import Quantity, check_settings, setting
+from ..provenance import check_settings, numbers_of, setting
 from .anthropometry import Person
 from .strength import isometric_strength
 
-_GOMI = (
-    "Gomi and Osu 1998, J. Neurosci. 18(21), as cited by others: stiffness of a posture rises in "
-    "proportion to torque"
-)
-_ALIKE = "like the shoulder's flexion in size"
-_SMALL = "smaller, as the wrist's torques are"
-_CONTRACTION = (
-    "ours: the stiffness at rest is then 27 to 28 N·m/rad, as in Viviani 1976 for movements (25)"
-)
-_IMPEDANCE = (
-    *(
-        Quantity(f"control.stiffness.base.{joint}", value, "N·m/rad", source, "assumed")
-        for joint, value, source in zip(
-            JOINTS, (11.0, 11.0, 9.0, 2.0), (_ALIKE, _GOMI, _GOMI, _SMALL), strict=True
-        )
-    ),
-    *(
-        Quantity(f"control.stiffness.slope.{joint}", value, "1/rad", source, "assumed")
-        for joint, value, source in zip(
-            JOINTS, (3.2, 3.2, 6.2, 6.2), (_ALIKE, _GOMI, _GOMI, "like the elbow's"), strict=True
-        )
-    ),
-    *(
-        Quantity(f"control.contraction.{joint}", value, "N·m", _CONTRACTION, "assumed")
-        for joint, value in zip(JOINTS, (5.0, 5.0, 3.0, 0.5), strict=True)
-    ),
-)
-_DAMPING = Quantity(
-    "control.damping",
-    0.1,
-    "s",
-    "Selen, Franklin and Wolpert 2009 have 0.05 s, which leaves a damping ratio of 0.1 in suit and "
-    "exoskeleton; doubled",
-    "assumed",
-)
-_DELAY = Quantity(
-    "control.delay",
-    0.05,
-    "s",
-    "long-latency response of arm muscles, from 50 ms: PLOS ONE 11(10) e0163854, without the "
-    "muscle's own delay",
-    "derived",
-)
-_REFLEX = Quantity(
-    "control.reflex", 0.5, "1", "ours: half of the intrinsic part; unstable from 1.2", "assumed"
-)
-_LEAD = Quantity("control.reflex.lead", 0.1, "s", "ours: as the damping", "assumed")
-_LAG = Quantity(
-    "control.reflex.lag", 0.035, "s", "ours: activation of muscles, 30 to 50 ms", "assumed"
-)
-_CORRECTION = Quantity(
-    "control.correction",
-    0.5,
-    "1",
-    "ours: from 0.8 on a free arm oscillates after a push",
-    "assumed",
-)
-_INTERVAL = Quantity(
-    "control.correction.interval",
-    0.2,
-    "s",
-    "between 0.17 s (Miall, Weir and Stein 1993, J. Mot. Behav. 25:53-63) and 0.25 s (van de Kamp "
-    "et al. 2013, PLOS Comput. Biol. 9(1) e1002843)",
-    "derived",
-)
-_LEAST = Quantity(
-    "control.correction.least",
-    0.012,
-    "rad",
-    "Miall, Weir and Stein 1993: 7 mm at the hand, which is 0.6 m from the shoulder",
-    "derived",
-)
-_LATE = Quantity(
-    "control.correction.late",
-    0.17,
-    "s",
-    "Miall, Weir and Stein 1993: errors at the start of corrections grow with speed, as with a "
-    "refractory time of 0.17 s",
-    "derived",
-)
-_SIGHT = Quantity(
-    "control.correction.delay", 0.15, "s", "ours: visual and voluntary reaction, 0.15 s", "assumed"
-)
-_RATE = Quantity(
-    "control.learning",
-    0.1,
-    "1",
-    "ours: the error of a repeated motion then falls to a quarter in 10 to 30 repetitions, as in "
-    "studies of force fields",
-    "assumed",
-)
-_FORGETTING = Quantity("control.forgetting", 0.01, "1", "ours: a tenth of learning", "assumed")
-_PACE = Quantity(
-    "control.learning.pace",
-    0.02,
-    "1",
-    "ours: step of normalized least mean squares; five other motions then halve the error",
-    "assumed",
-)
-_CREDIT = Quantity(
-    "control.learning.credit", 0.1, "s", "ours: reflex and muscle together", "assumed"
-)
-_STIFFENING = Quantity(
-    "control.stiffening",
-    1.0,
-    "of strength per rad",
-    "ours: the law is that of Franklin et al. 2008, without torques for its gains",
-    "assumed",
-)
-_RELAXING = Quantity("control.relaxing", 0.1, "1", "ours, as for the stiffening", "assumed")
-_HARDEST = Quantity(
-    "control.contraction.most", 0.3, "of strength", "ours: nobody holds more for long", "assumed"
-)
-_HAMILTON = "size: ours; falls with strength, Hamilton et al. 2004, Exp. Brain Res. 157:417-430"
-_FLUCTUATION = "ours: isometric force varies slowly, at less than the frequency of tremor"
-_TREMOR = "Novak and Newell 2017, Neurosci. Lett.: physiological tremor has 8 to 12 Hz"
-_NOISE = tuple(
-    Quantity(f"control.noise.{joint}", value, "1", _HAMILTON, "assumed")
-    for joint, value in zip(JOINTS, (0.025, 0.025, 0.025, 0.045), strict=True)
-)
-_CORNER = Quantity("control.noise.corner", 4.0, "Hz", _FLUCTUATION, "assumed")
-_CENTER = Quantity("control.tremor.center", 10.0, "Hz", _TREMOR, "derived")
-_WIDTH = Quantity("control.tremor.width", 4.0, "Hz", _TREMOR, "derived")
+PROVENANCE = numbers_of("control")
+_VALUE = {one.name.removeprefix("control."): one.value for one in PROVENANCE}
 
-PROVENANCE: tuple[Quantity, ...] = (
-    *_IMPEDANCE,
-    _DAMPING,
-    _DELAY,
-    _REFLEX,
-    _LEAD,
-    _LAG,
-    _CORRECTION,
-    _INTERVAL,
-    _LEAST,
-    _LATE,
-    _SIGHT,
-    _RATE,
-    _FORGETTING,
-    _PACE,
-    _CREDIT,
-    _STIFFENING,
-    _RELAXING,
-    _HARDEST,
-    *_NOISE,
-    _CORNER,
-    _CENTER,
-    _WIDTH,
-)
 
-NOISE_SIZE = np.array([quantity.value for quantity in _NOISE])
-RATE, FORGETTING = _RATE.value, _FORGETTING.value
-STIFFENING, RELAXING, HARDEST = _STIFFENING.value, _RELAXING.value, _HARDEST.value
-LEAD = _LEAD.value
+def _by_joint(name: str) -> Array:
+    return np.array([_VALUE[f"{name}.{joint}"] for joint in JOINTS])
+
+
+NOISE_SIZE = _by_joint("noise")
+RATE, FORGETTING = _VALUE["learning"], _VALUE["forgetting"]
+STIFFENING, RELAXING = _VALUE["stiffening"], _VALUE["relaxing"]
+HARDEST = _VALUE["contraction.most"]  # of strength
+LEAD = _VALUE["reflex.lead"]  # s
 # Stiffness [N·m/rad] and damping [N·m·s/rad] of an arm guided by stiff hands: those of version 0.1.
 STIFF = np.array([[250.0, 250.0, 120.0, 20.0], [26.0, 30.0, 10.0, 1.0]])
 
@@ -228,11 +88,11 @@ class VoluntaryControl:
     """
 
     stiffness: float = setting(1.0, "times a typical person's", 0.25, 4)
-    damping: float = setting(_DAMPING.value, "s", 0.03, 0.3)
+    damping: float = setting(_VALUE["damping"], "s", 0.03, 0.3)
     contraction: float = setting(1.0, "times a typical person's", 0, 4)
-    reflex: float = setting(_REFLEX.value, "of the stiffness", 0, 1)
-    delay: float = setting(_DELAY.value, "s", 0, 0.5)
-    correction: float = setting(_CORRECTION.value, "of the error", 0, 1)
+    reflex: float = setting(_VALUE["reflex"], "of the stiffness", 0, 1)
+    delay: float = setting(_VALUE["delay"], "s", 0, 0.5)
+    correction: float = setting(_VALUE["correction"], "of the error", 0, 1)
     adaptation: float = setting(1.0, "of a typical person's rate of learning", 0, 1)
     noise: float = setting(0.0, "times a typical person's", 0, 10)
     tremor: float = setting(0.0, "of the torque", 0, 0.5)
@@ -271,7 +131,9 @@ class VoluntaryControl:
         zero = np.zeros(len(JOINTS))
         if self.stiff:
             return np.array([STIFF[0], zero, STIFF[1], zero, zero])
-        base, slope, contraction = np.array([q.value for q in _IMPEDANCE]).reshape(3, -1)
+        base, slope, contraction = map(
+            _by_joint, ("stiffness.base", "stiffness.slope", "contraction")
+        )
         stronger = isometric_strength(person).sum(axis=0) / isometric_strength(Person()).sum(axis=0)
         rest = stronger * (base + slope * self.contraction * contraction)
         return np.array(
@@ -294,11 +156,11 @@ class VoluntaryControl:
         return {
             "reflex_gain": 0.0 if self.stiff else self.reflex,
             "lead": LEAD,
-            "lag": 1 - exp(-dt / _LAG.value),
+            "lag": 1 - exp(-dt / _VALUE["reflex.lag"]),
             "correction_gain": 0.0 if self.stiff else self.correction,
-            "correction_periods": max(1, round(_INTERVAL.value / dt)),
-            "least": _LEAST.value,
-            "late": _LATE.value,
+            "correction_periods": max(1, round(_VALUE["correction.interval"] / dt)),
+            "least": _VALUE["correction.least"],
+            "late": _VALUE["correction.late"],
         }
 
     def learning(self, dt: float) -> dict[str, Any]:
@@ -308,15 +170,15 @@ class VoluntaryControl:
         learned torque precedes the error that it corrects.
         """
         return {
-            "rate": self.adaptation * _PACE.value if self.learns else 0.0,
+            "rate": self.adaptation * _VALUE["learning.pace"] if self.learns else 0.0,
             "forgetting": FORGETTING / RATE,
-            "ahead": round(_CREDIT.value / dt),
+            "ahead": round(_VALUE["learning.credit"] / dt),
         }
 
 
 def sight_periods(dt: float) -> int:
     """Returns the delay of the voluntary correction in control periods of `dt` [s]."""
-    return round(_SIGHT.value / dt)
+    return round(_VALUE["correction.delay"] / dt)
 
 
 def noise_constants(dt: float) -> Array:
@@ -325,6 +187,6 @@ def noise_constants(dt: float) -> Array:
     Decay of the noise; decay of the tremor, cosine and sine of its rotation; then the weights of
     the random numbers that drive noise and tremor.
     """
-    lag, ring = exp(-2 * pi * _CORNER.value * dt), exp(-pi * _WIDTH.value * dt)
-    turn = 2 * pi * _CENTER.value * dt
+    lag, ring = exp(-2 * pi * _VALUE["noise.corner"] * dt), exp(-pi * _VALUE["tremor.width"] * dt)
+    turn = 2 * pi * _VALUE["tremor.center"] * dt
     return np.array([lag, ring, cos(turn), sin(turn), sqrt(1 - lag**2), sqrt(1 - ring**2)])

@@ -7,19 +7,10 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InputError
-from ..provenance import Quantity
-from .smoothness import log_dimensionless_jerk, spectral_arc_length
+from ..provenance import numbers_of, values_of
 
-_MARGARIA = (
-    "Margaria 1968, quoted from memory; legs on a sledge: 0.17 and 0.80, "
-    "Int. J. Sports Med. 7(1) 1986"
-)
-_ISOMETRIC = "metabolic rate of isometric torque, arXiv 2501.00723"
-_EXPONENT = Quantity("effort.torque_exponent", 1.36, "1", _ISOMETRIC, "published")
-_RAISING = Quantity("effort.efficiency.positive_work", 0.25, "1", _MARGARIA, "assumed")
-_LOWERING = Quantity("effort.efficiency.negative_work", 1.20, "1", _MARGARIA, "assumed")
-
-PROVENANCE: tuple[Quantity, ...] = (_EXPONENT, _RAISING, _LOWERING)
+PROVENANCE = numbers_of("effort", "smoothness")
+_VALUE = values_of(PROVENANCE)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,6 +63,7 @@ def effort_metrics(torque: ArrayLike, rate: ArrayLike, dt: float) -> EffortMetri
     size, power = np.abs(torque), torque * rate
     raised = np.maximum(power, 0).sum(axis=-2) * dt
     lowered = np.maximum(-power, 0).sum(axis=-2) * dt
+    gain, loss = (_VALUE[f"effort.efficiency.{sign}_work"] for sign in ("positive", "negative"))
     velocity = np.swapaxes(rate, -1, -2)
     return EffortMetrics(
         rms=np.sqrt(np.mean(torque**2, axis=-2)),
@@ -79,8 +71,8 @@ def effort_metrics(torque: ArrayLike, rate: ArrayLike, dt: float) -> EffortMetri
         impulse=size.sum(axis=-2) * dt,
         positive_work=raised,
         negative_work=lowered,
-        torque_cost=(size**_EXPONENT.value).sum(axis=-2) * dt,
-        work_cost=raised / _RAISING.value + lowered / _LOWERING.value,
+        torque_cost=(size ** _VALUE["effort.torque_exponent"]).sum(axis=-2) * dt,
+        work_cost=raised / gain + lowered / loss,
         spectral_arc_length=spectral_arc_length(np.abs(velocity), dt),
         log_dimensionless_jerk=log_dimensionless_jerk(velocity, dt),
     )
@@ -96,3 +88,51 @@ def _check(torque: Array, rate: Array, dt: float) -> None:
         raise InputError("torque or rate has values that are not finite: leave those samples out")
     if not (np.isfinite(dt) and dt > 0):
         raise InputError(f"dt is {dt}: give the sampling period in s, above 0")
+
+
+def spectral_arc_length(speed: ArrayLike, dt: float) -> Array:
+    """Returns the smoothness SPARC of a speed profile: negative, and nearer zero if smoother.
+
+    SPARC is minus the length of the magnitude spectrum's curve, scaled to 1 in both directions, up
+    to the last frequency below 10 Hz with 5 % of the largest magnitude. Cut the record to the
+    movement, because rest before and after it changes the result.
+
+    Args:
+        speed: |rate| of a joint, or the norm of a velocity, shape (..., n), n >= 2.
+        dt: Sampling period [s].
+
+    Returns:
+        The smoothness, shape (...); NaN where nothing moves.
+    """
+    speed = np.asarray(speed, dtype=float)
+    size = 2 ** (int(np.ceil(np.log2(speed.shape[-1]))) + int(_VALUE["smoothness.padding"]))
+    bins = int(_VALUE["smoothness.highest_frequency"] * size * dt * (1 + 1e-12)) + 1
+    spectrum = np.abs(np.fft.rfft(speed, size))[..., :bins]
+    with np.errstate(invalid="ignore"):
+        spectrum /= spectrum.max(axis=-1, keepdims=True)
+    bins = spectrum.shape[-1]
+    large = spectrum[..., ::-1] >= _VALUE["smoothness.amplitude_threshold"]
+    last = bins - 1 - np.argmax(large, axis=-1)[..., None]
+    steps = np.hypot(1 / np.maximum(last, 1), np.diff(spectrum))
+    return -np.sum(np.where(np.arange(bins - 1) < last, steps, 0), axis=-1)
+
+
+def log_dimensionless_jerk(rate: ArrayLike, dt: float) -> Array:
+    """Returns the smoothness LDLJ of a velocity: -log(T³ / peak² · ∫ jerk² dt), nearer zero better.
+
+    A minimum-jerk movement has -log(204.8) = -5.32. Measured rates need a low-pass filter first:
+    the second derivative raises their noise.
+
+    Args:
+        rate: Velocity or speed [rad/s], shape (..., n), n >= 3.
+        dt: Sampling period [s].
+
+    Returns:
+        The smoothness, shape (...); NaN where nothing moves.
+    """
+    rate = np.asarray(rate, dtype=float)
+    duration = (rate.shape[-1] - 1) * dt
+    jerk = np.diff(rate, 2) / dt**2
+    peak = np.abs(rate).max(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return -np.log(duration**4 * np.mean(jerk**2, axis=-1) / peak**2)

@@ -15,49 +15,71 @@ exact for any length. Multiply `isometric_strength` by 1 - fatigued to get the r
 Antagonist torques that cancel out cause no fatigue here.
 """
 
+import math
+
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
-from ..elementwise import elementwise
-from ..provenance import Quantity
-from .fatigue_kernels import loaded, tired
+from ...kernels import elementwise
+from ..provenance import numbers_of, values_of
 
-_RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
-_REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"
-_REGIONS = {  # F and R [1/s], r
-    "shoulder": (0.01820, 0.00168, 15.0),
-    "elbow": (0.00912, 0.00094, 15.0),
-    "grip": (0.00980, 0.00064, 30.0),
-}
-_COLUMNS = (
-    ("fatigue_rate", "1/s", _RATES),
-    ("recovery_rate", "1/s", _RATES),
-    ("rest_multiplier", "1", _REST),
-)
+
+@njit(cache=True)
+def loaded(asked: float, available: float) -> float:
+    """Returns the load of a muscle group; 1 where it needs torque and can give none."""
+    if asked <= 0.0:
+        return 0.0
+    return asked / available if available > 0.0 else 1.0
+
+
+@njit(cache=True)
+def tired(
+    fatigued: float,
+    load: float,
+    tiring: float,
+    recovery: float,
+    multiplier: float,
+    resting: float,
+    dt: float,
+) -> float:
+    """Returns the fatigued part of a muscle group after `dt` under constant load."""
+    if load <= resting:
+        recovery = recovery * multiplier
+    ceiling = 1.0 - load
+    able = fatigued <= ceiling
+    rate = recovery if able else tiring + recovery
+    goal = (load if able else 1.0) * tiring / rate
+    before = dt
+    # The flow is continuous where ability ends, so a group passes the ceiling once or never.
+    if (goal > ceiling) == able:
+        share = (goal - ceiling) / (goal - fatigued)
+        before = min(-math.log(share) / rate, dt) if share > 0.0 else dt
+    fatigued = fatigued + (fatigued - goal) * math.expm1(-rate * before)
+    rate = tiring + recovery if able else recovery
+    goal = (1.0 if able else load) * tiring / rate
+    return fatigued + (fatigued - goal) * math.expm1(-rate * (dt - before))
+
+
 _REGION_OF = {
     "shoulder_abduction": "shoulder",
     "shoulder_flexion": "shoulder",
     "elbow_flexion": "elbow",
     "wrist_flexion": "grip",
 }
-_RESTING = Quantity(
-    "fatigue.resting_load", 0.01, "1", "a muscle group below it counts as resting", "assumed"
+PROVENANCE = numbers_of("fatigue")
+_VALUE = values_of(PROVENANCE)
+_TIRING, _RECOVERY, _MULTIPLIER = np.array(
+    [
+        [_VALUE[f"fatigue.{_REGION_OF[joint]}.{column}"] for joint in JOINTS]
+        for column in ("fatigue_rate", "recovery_rate", "rest_multiplier")
+    ]
 )
-
-PROVENANCE: tuple[Quantity, ...] = (
-    *(
-        Quantity(f"fatigue.{region}.{column}", value, unit, source, "transcribed")
-        for region, row in _REGIONS.items()
-        for (column, unit, source), value in zip(_COLUMNS, row, strict=True)
-    ),
-    _RESTING,
-)
-
-_TIRING, _RECOVERY, _MULTIPLIER = np.array([_REGIONS[_REGION_OF[joint]] for joint in JOINTS]).T
-RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, np.full(len(JOINTS), _RESTING.value)])
+_RESTING = np.full(len(JOINTS), _VALUE["fatigue.resting_load"])
+RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, _RESTING])
 """F and R [1/s], r and the load below which a group rests, shape (4, joints)."""
 
 

@@ -2,18 +2,21 @@
 
 from ..belief import Belief, BelievedArm, BelievedSuit, BelievedWeight
 from .base import Policy, Seen, TorquePolicy
-from .build import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
-from .compensation import Compensation, Complement
-from .feedforward import HysteresisFeedforward
-from .gravity import GravityCompensation
-from .model_based import ModelBased
-from .momentum_observer import MomentumObserver
+from .model_based import (
+    Compensation,
+    Complement,
+    GravityCompensation,
+    HysteresisFeedforward,
+    ModelBased,
+    NoAssist,
+    Oracle,
+    Transparent,
+)
 from .network import Network
-from .no_assist import NoAssist
-from .oracle import Oracle
+from .observers import MomentumObserver
+from .registry import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
 from .saving import save_policy
 from .trained import environment_of
-from .transparent import Transparent
 
 __all__ = [
     "POLICIES",

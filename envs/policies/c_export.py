@@ -16,8 +16,8 @@ from ..belief import BelievedSuit
 from ..model import ASSISTED
 from ..model.config import GRAVITY
 from .base import Policy
-from .build import POLICIES
 from .model_based import TURNING, ModelBased
+from .registry import POLICIES
 
 GOLDEN = (  # rad and rad/s: angles and rates of the four joints
     ((0.0, 0.4, 1.0, 0.0), (0.0, 0.0, 0.0, 0.0)),
@@ -66,7 +66,7 @@ def policy_header(name: str, policy: Policy, prefix: str) -> tuple[str, list[Par
         header.add(comment(joint_comment(joint, entry)))
         state += header.model(f"as_{joint}", without_rate(entry.model), entry.begun())
         state += 2 * isinstance(entry.model, Viscoelastic)
-    weight = np.zeros((81, 2)) if policy.weight is None else policy.weight.torque.coefficients
+    weight = np.zeros((81, 2)) if policy.weight is None else policy.weight.coefficients
     if weight.any():
         header.table("as_weight", weight.ravel())
         header.include(Path(__file__).with_name("carry.c"))

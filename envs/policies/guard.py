@@ -7,7 +7,7 @@ from ...arrays import Array
 from ..belief import Belief
 from ..plant import Plant
 from .base import Policy, Seen, TorquePolicy
-from .compensation import Compensation
+from .model_based import Compensation
 
 RESERVE = 1.0  # J, which motors may give beyond what the belief needs: 10 cm of a 1 kg load
 STILLEST = 1e-6  # [rad²/s²], squared rates at which no torque does work

@@ -1,4 +1,4 @@
-"""Impedance: springs and dampers pull the arm along the intention."""
+"""Impedance: springs and dampers pull the arm along the intention that the preview tells."""
 
 import math
 
@@ -6,11 +6,9 @@ from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
 from ..plant import Plant
+from ..simulation.simulation import PREVIEW
 from .base import Seen
-from .compensation import Compensation
-from .intention import intended
-
-BANDWIDTH = 1.0  # Hz, a fifth of what the lag of motors and rates, 0.03 s, would let oscillate
+from .model_based import Compensation
 
 
 class Impedance(Compensation):
@@ -37,7 +35,7 @@ class Impedance(Compensation):
         plant: Plant,
         belief: Belief | None = None,
         *,
-        bandwidth: float = BANDWIDTH,
+        bandwidth: float = 1.0,
         damping_ratio: float = 1.0,
     ) -> None:
         super().__init__(plant, belief)
@@ -52,3 +50,18 @@ class Impedance(Compensation):
         target, target_rate = intended(seen["target"])
         pull = self.stiffness * (target - angle - self.lead * rate)
         return super().torque(seen) + pull + self.damping * (target_rate - rate)
+
+
+def intended(target: Array) -> tuple[Array, Array]:
+    """Returns angle [rad] and rate [rad/s] that are intended soon, shape (n, 2) each.
+
+    Soon is at the nearest previewed time, when the motors have answered. The rate there is that of
+    the parabola through the three previewed angles.
+
+    Args:
+        target: Previewed angles [rad], the nearest first, shape (n, 6).
+    """
+    now, next_, last = target[:, 0:2], target[:, 2:4], target[:, 4:6]
+    near, far = PREVIEW[1] - PREVIEW[0], PREVIEW[2] - PREVIEW[0]
+    first, second = (next_ - now) / near, (last - now) / far
+    return now, (far * first - near * second) / (far - near)

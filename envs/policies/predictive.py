@@ -12,10 +12,10 @@ from ..belief import Belief
 from ..person import isometric_strength
 from ..person.control import STIFF
 from ..plant import Plant
-from ..simulation.addresses import Addresses
+from ..simulation.structs import Addresses
 from .base import Seen
-from .compensation import Compensation
-from .filters import LowPass
+from .model_based import Compensation
+from .observers import LowPass
 
 PERIOD = 0.05  # [s], time from plan to plan
 KNOTS = 3  # number of knots of a plan over its horizon

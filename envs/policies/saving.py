@@ -19,16 +19,7 @@ from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..tasks import TASKS
 from ..vector_env import ArmVectorEnv
-from .network import (
-    LAYER,
-    LSTM,
-    Card,
-    Network,
-    Residual,
-    contract_of,
-    files_of,
-    observed,
-)
+from .network import LAYER, LSTM, Card, Network, Residual, contract_of, files_of, observed
 from .trained import ARM, portable
 
 PACKAGES = ("activesuit", "gymnasium", "mujoco", "numpy", "stable-baselines3", "torch")

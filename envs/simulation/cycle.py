@@ -6,14 +6,23 @@ The structs are those of `structs`.
 from numba import njit
 
 from ...arrays import Array
-from ..model.motor_kernels import clipped as within_heat
-from ..model.motor_kernels import heated
-from ..person.fatigue import RATES
-from ..person.fatigue_kernels import loaded, tired
-from .addresses import Addresses
+from ..model.exoskeleton import clipped as within_heat
+from ..model.exoskeleton import heated
+from ..person.fatigue import RATES, loaded, tired
 from .bound import Frozen, thawed
 from .measurements import CONTINUOUS, EFFORT, PEAK, TIME, TIME_CONSTANT, is_finite, measure
-from .structs import Episode, Index, Intention, Motors, Muscles, Physics, Sensors, Wearer, Whole
+from .structs import (
+    Addresses,
+    Episode,
+    Index,
+    Intention,
+    Motors,
+    Muscles,
+    Physics,
+    Sensors,
+    Wearer,
+    Whole,
+)
 from .wearer_control import USUAL, act, contraction, feed_forward, learn, most
 
 

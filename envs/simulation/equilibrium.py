@@ -5,9 +5,8 @@ from numba import njit
 
 from ...arrays import AnyArray
 from ...kernels import inner
-from .addresses import Addresses
 from .bound import Frozen, thawed
-from .structs import Equilibrium, Intention, Muscles, Physics, Wearer, Whole
+from .structs import Addresses, Equilibrium, Intention, Muscles, Physics, Wearer, Whole
 from .wearer_control import BASE, RELAXATION, SLOPE, contraction, feed_forward
 from .wearer_control import DAMPING as FIXED
 
@@ -127,8 +126,7 @@ def _improve(
 
 @njit(cache=True)
 def hold(
-    rows: Whole,
-    arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]],
+    rows: Whole, arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]]
 ) -> None:
     """Lets wearers hold still: the correction starts at what the feed-forward torque lacks."""
     physics, at, intention, wearer, muscles, rest = thawed(arms)

@@ -13,13 +13,12 @@ from ...checks import once
 from ...errors import InputError, shown, unknown_name
 from ..model import ASSISTED
 from ..provenance import check_settings, setting
-from .addresses import Addresses
 from .measurements import COLUMNS, CUFF_SENSOR, ENCODER, ENCODER_RATE, INTERACTION
-from .structs import Reception, Whole
+from .structs import Addresses, Reception, Whole
 
 RECEIVED = ("encoder_angle", "encoder_rate", "motor_torque", "interaction_torque", "emg")
 RECEIVED += ("cuff_sensor",)
-"""Measurements that come over a bus; a controller knows its last action and preview anyway."""
+"""Measurements that faults can change; a controller knows its last action and preview anyway."""
 
 LATE, LOST = range(2)  # random numbers of a control period
 
@@ -65,8 +64,8 @@ class Faults:
             object.__setattr__(self, name, tuple(given))
 
 
-class Bus:
-    """Brings the readings of sensors to the controller, and its commands to the motors.
+class FaultInjector:
+    """Puts faults into the readings that reach the controller, and tells which motors stop.
 
     Between two control periods the measurements are what the controller receives, and `sent` is
     what the sensors read; within one it is the other way round, since sensors filter their own

@@ -19,17 +19,8 @@ from .structs import BareArm, Index, Motions
 
 # Columns of a link: position and axis of its joint in the frame above, mass, center of mass,
 # inertia about it (xx, yy, zz, xy, xz, yz) in its own axes, stiffness, rest angle and damping.
-POSITION, AXIS, MASS, CENTER, INERTIA, STIFFNESS, REST, DAMPING, LINK = (
-    0,
-    3,
-    6,
-    7,
-    10,
-    16,
-    17,
-    18,
-    19,
-)
+POSITION, AXIS, MASS, CENTER, INERTIA = 0, 3, 6, 7, 10
+STIFFNESS, REST, DAMPING, LINK = 16, 17, 18, 19
 
 
 @dataclass(frozen=True, eq=False)

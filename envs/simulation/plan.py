@@ -1,11 +1,9 @@
 """The plan of one episode: intended motion of the wearer, and loads on the hand."""
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from ...arrays import AnyArray, Array
 from ...assets import JOINTS
@@ -110,13 +108,16 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
         )
     angle, rate, acceleration = (_numbers("motion", part) for part in motion)
     shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
-    if shapes != [shape] * 3 or not _is_finite(angle, rate, acceleration):
+    if shapes != [shape] * 3 or not np.isfinite(angle + rate + acceleration).all():
         raise InputError(
             f"the task's motion has arrays of shape {', '.join(map(str, shapes))}: give angle, "
             f"rate and acceleration, finite numbers of shape {shape} each"
         )
-    column = _out_of_range(angle, ranges, ROUNDING)
-    if column >= 0:
+    outside = (angle.min(axis=0) < ranges[:, 0] - ROUNDING) | (
+        angle.max(axis=0) > ranges[:, 1] + ROUNDING
+    )
+    if outside.any():
+        column = int(outside.argmax())
         least, most = angle[:, column].min(), angle[:, column].max()
         low, high = ranges[column]
         raise InputError(
@@ -124,23 +125,3 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
             f"between {low:.3g} and {high:.3g} rad"
         )
     return angle, rate, acceleration
-
-
-@njit(cache=True)
-def _is_finite(angle: Array, rate: Array, acceleration: Array) -> bool:
-    for i in range(angle.shape[0]):
-        for j in range(angle.shape[1]):
-            if not math.isfinite(angle[i, j] + rate[i, j] + acceleration[i, j]):
-                return False
-    return True
-
-
-@njit(cache=True)
-def _out_of_range(angle: Array, ranges: Array, rounding: float) -> int:
-    """Returns the first joint that leaves its range, or -1."""
-    for j in range(angle.shape[1]):
-        low, high = ranges[j, 0] - rounding, ranges[j, 1] + rounding
-        for i in range(angle.shape[0]):
-            if not low <= angle[i, j] <= high:
-                return j
-    return -1

@@ -20,16 +20,14 @@ from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
 from ..person import VoluntaryControl
 from . import compiling, equilibrium
-from .addresses import Addresses
 from .bound import bound
 from .cycle import after, before
-from .differing import Differing, Variety
-from .faults import Bus, Faults, reception_of
+from .faults import FaultInjector, Faults, reception_of
 from .inverse_dynamics import Chain, arm_torques
 from .kinematics import Arm
-from .measurements import COLUMNS
+from .measurements import COLUMNS, Sensing, sense
 from .plan import Plan, checked_plan
-from .sensing import Sensing, sense
+from .row_models import RowModels, Variety
 from .state import (
     KEPT,
     STRETCH,
@@ -41,10 +39,10 @@ from .state import (
     muscles_of,
     noisy_sensors_of,
     sensors_of,
+    stream,
     wearer_of,
 )
-from .streams import stream
-from .structs import Equilibrium, Physics
+from .structs import Addresses, Equilibrium, Physics
 
 Rows = NDArray[np.int64]
 
@@ -148,9 +146,9 @@ class Simulation:
         compiling.begin(before)
         self.config, self.control, self.fatigue = config, control, fatigue
         self.sensing, self._noisy = sensing, noisy
-        self._differing, self._variety = Differing(config, variety, edits), variety
+        self._row_models, self._variety = RowModels(config, variety, edits), variety
         self._carries = carries
-        self.model = self._differing.model
+        self.model = self._row_models.model
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
         self.addresses = Addresses.of(self.model)
@@ -164,26 +162,26 @@ class Simulation:
         constants = [motor.thermal_time_constant for motor in motors]
         preview = np.array([round(ahead / dt) for ahead in PREVIEW])
         resolution = math.tau / 2**config.exo.encoder_bits
-        strength, impedance = self._differing.strengths[0], self._impedance_of(0)
+        strength, impedance = self._row_models.strengths[0], self._impedance_of(0)
         self.state = State(
             episode=episodes_of(n, samples, dt),
             conditions=conditions_of(n, samples if carries else 0, samples if self._pushed else 0),
             intention=intention_of(n, samples, learned=learned),
-            wearer=wearer_of(n, self._differing.chains[0], control, dt),
+            wearer=wearer_of(n, self._row_models.chains[0], control, dt),
             muscles=muscles_of(n, strength, impedance, tires=fatigue),
             motors=motors_of(n, np.array([at.peak_torque, continuous, constants])),
             sensors=sensors_of(n, preview, resolution, sensing, dt),
             noisy=noisy_sensors_of(n, sensing, dt, used=noisy),
             reception=reception_of(n, STRETCH, used=faults != Faults()),
         )
-        self.faults, self._bus = faults, None
+        self.faults, self._injector = faults, None
         if faults != Faults():
             received = self.state.sensors.measured, self.state.reception
-            self._bus = Bus(faults, *received, at)
+            self._injector = FaultInjector(faults, *received, at)
         self._saved = self.state.arrays()
         self._cleared = [values for name, values in self._saved.items() if name not in KEPT]
         muscles_draw = self.state.wearer.noise.muscle_draws.size > 0
-        self._draws = noisy or muscles_draw or self._bus is not None
+        self._draws = noisy or muscles_draw or self._injector is not None
         self.columns = self._measured_columns()
         self._all, self._waiting = np.arange(n), set[int]()
         self._begin_physics(threads)
@@ -230,8 +228,8 @@ class Simulation:
         self._after(rows, False)
         if self._sense:
             self._sense(rows, False)
-        if self._bus:
-            self._bus.begin(rows)
+        if self._injector:
+            self._injector.begin(rows)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
         """Moves some rows by one control period.
@@ -247,7 +245,7 @@ class Simulation:
                 "make it in the child, or with threads=1"
             )
         moving = self._all if rows is None else rows
-        received = self._bus.recall(moving) if self._bus else None
+        received = self._injector.recall(moving) if self._injector else None
         if self._waiting:
             self._take_over(action, moving)
         if self._draws:
@@ -255,18 +253,21 @@ class Simulation:
         if self._carries:
             self._exchange(moving)
         if self._pushed:
-            self._push(moving)
+            now = self.state.conditions.push[moving, self._sample(moving)]
+            self._ctrl[moving[:, None], self.addresses.pushes] = now
         self._before(moving, action)
-        if self._bus:
-            self._stop_motors(moving, self._bus)
+        if self._injector:
+            time = self.state.episode.step[moving] * self.control_dt
+            stopped = moving[self._injector.has_failed(time)]
+            self._ctrl[stopped[:, None], self.addresses.motors[self._injector.stopped]] = 0.0
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         self._after(moving, True)
         if self._sense:
             self._sense(moving, True)
-        if self._bus and received is not None:
+        if self._injector and received is not None:
             step, draws = self.state.episode.step[moving], self.state.reception.fault_draws
             now = draws[moving, (step - 1) % STRETCH]
-            self._bus.deliver(moving, received, step * self.control_dt, now)
+            self._injector.deliver(moving, received, step * self.control_dt, now)
 
     def checked(self, plan: Plan) -> Plan:
         """Returns a plan that these arms can carry out; raises an InputError otherwise."""
@@ -275,14 +276,14 @@ class Simulation:
 
     def arm_of(self, wearer: int) -> Arm:
         """Returns the bare arm of the wearer with a number."""
-        return self._differing.arms[wearer]
+        return self._row_models.arms[wearer]
 
     def dressed(self, row: int) -> Chain:
         """Returns the arm of a row in its suit, with the load of the configuration if it has one.
 
         Loads that a task puts into the hand later are not part of it, nor is an exoskeleton.
         """
-        chain = self._differing.dressed(int(self.state.conditions.wearer[row]))
+        chain = self._row_models.dressed(int(self.state.conditions.wearer[row]))
         return replace(chain, gravity=self.state.wearer.arm.gravity[row, None].copy())
 
     def own_torque(self, rows: Rows) -> Array:
@@ -296,7 +297,7 @@ class Simulation:
         """
         motion, found = self.state.intention.motion, []
         for row in rows.tolist():
-            chain = self._differing.chains[self.state.conditions.wearer[row]]
+            chain = self._row_models.chains[self.state.conditions.wearer[row]]
             here = replace(chain, gravity=self.state.wearer.arm.gravity[row, None])
             found.append(arm_torques(here, *(part[row] for part in motion)))
         return np.array(found)
@@ -353,7 +354,7 @@ class Simulation:
         # An MjData takes 165 KB whatever the model, so that rows share those of the threads.
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()
-        self._differing.begin(batch)
+        self._row_models.begin(batch)
         self._time, self._current = batch.bind("time"), batch.bind("act")
         self.plugin_state = batch.bind("plugin_state")
         physics, at, state = Physics.of(batch), self.addresses, self.state
@@ -384,7 +385,7 @@ class Simulation:
         state.sensors.encoder_offset[row] = start.encoder_offset
         state.noisy.noise_scale[row] = start.noise_scale
         conditions.wearer[row], conditions.misalignment[row] = start.wearer, start.misalignment
-        self._differing.strap(self.plugin_state[row], start.wearer, start.misalignment)
+        self._row_models.strap(self.plugin_state[row], start.wearer, start.misalignment)
         conditions.load[row] = (start.payload or self.config.payload).mass
         if self._carries:
             carried = conditions.load[row] + (0.0 if plan.mass is None else plan.mass)
@@ -410,24 +411,14 @@ class Simulation:
         changed = moving[wanted != conditions.load[moving]]
         if changed.size:
             conditions.load[moving] = wanted
-            self._differing.load(changed, conditions.wearer, conditions.load)
-
-    def _stop_motors(self, moving: Rows, bus: Bus) -> None:
-        """Takes the power from motors that have failed."""
-        failed = moving[bus.has_failed(self.state.episode.step[moving] * self.control_dt)]
-        self._ctrl[failed[:, None], self.addresses.motors[bus.stopped]] = 0.0
-
-    def _push(self, moving: Rows) -> None:
-        """Sets the forces on the grips for the coming control period."""
-        now = self.state.conditions.push[moving, self._sample(moving)]
-        self._ctrl[moving[:, None], self.addresses.pushes] = now
+            self._row_models.load(changed, conditions.wearer, conditions.load)
 
     def _sample(self, rows: Rows) -> Rows:
         """Returns the sample of the intention at which rows are, shape (k,)."""
         return np.minimum(self.state.episode.step[rows], self.samples - 1)
 
     def _impedance_of(self, wearer: int) -> Array:
-        return self.control.impedance(self._differing.persons[wearer])
+        return self.control.impedance(self._row_models.persons[wearer])
 
     def _take_over(self, action: Array, moving: Rows) -> None:
         """Starts motors at the first commanded torque, and wearers at the remainder."""
@@ -439,8 +430,8 @@ class Simulation:
         if not at.motors.size:
             return
         torque = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
-        if self._bus and self._bus.has_failed(np.zeros(1))[0]:
-            torque[:, self._bus.stopped] = 0.0
+        if self._injector and self._injector.has_failed(np.zeros(1))[0]:
+            torque[:, self._injector.stopped] = 0.0
         self._rest.motor[rows] = self._current[rows] = torque
         self._ctrl[rows[:, None], at.motors] = torque
         self._equilibrate(rows)
@@ -488,18 +479,16 @@ class Simulation:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
 
     def _write_differences(self, rows: Rows) -> None:
-        differing, conditions, muscles = self._differing, self.state.conditions, self.state.muscles
+        models, conditions, muscles = self._row_models, self.state.conditions, self.state.muscles
         wearer, arm = conditions.wearer, self.state.wearer.arm
-        differing.write(
-            rows, wearer, conditions.misalignment, conditions.load, conditions.free_fall
-        )
+        models.write(rows, wearer, conditions.misalignment, conditions.load, conditions.free_fall)
         for row in rows.tolist() if self._variety.wearers else ():
-            chain = differing.chains[wearer[row]]
+            chain = models.chains[wearer[row]]
             arm.links[row], arm.gravity[row] = chain.links[0], chain.gravity[0]
-            muscles.strength[row] = differing.strengths[wearer[row]]
+            muscles.strength[row] = models.strengths[wearer[row]]
             muscles.impedance[row] = self._impedance_of(int(wearer[row]))
         if self._variety.places:
-            arm.gravity[rows] = conditions.free_fall[rows, None] * differing.chains[0].down
+            arm.gravity[rows] = conditions.free_fall[rows, None] * models.chains[0].down
 
     def _put_on(self, row: int, suit: Mapping[str, SuitJoint]) -> None:
         for joint in self._joints - suit.keys():

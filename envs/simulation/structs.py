@@ -5,6 +5,7 @@ the state of an episode beside the state of the physics: `get_state` returns the
 others are constants, or scratch memory of one control period.
 """
 
+import re
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import mujoco
@@ -13,6 +14,11 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from ...arrays import Array
+from ...assets import JOINTS
+from ...hysteresis.engine import fault_slots
+from ..model import ASSISTED
+from ..model.cuffs import CUFFS
+from ..model.workplace import PUSHES
 
 Whole = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -188,7 +194,7 @@ class NoisySensors(NamedTuple):
 class Reception(NamedTuple):
     """Readings of sensors on their way to the controller, where something fails."""
 
-    sent: Annotated[Array, SAVED]  # last readings of the sensors, (n, columns of the bus)
+    sent: Annotated[Array, SAVED]  # last readings of the sensors, (n, columns of `RECEIVED`)
     fault_draws: Annotated[Array, SAVED]  # random numbers, (n, STRETCH, 2); none: not used
 
 
@@ -210,3 +216,71 @@ def saved(struct: Any) -> dict[str, NDArray]:
         elif isinstance(value, tuple) and SCRATCH not in marks:
             found |= saved(value)
     return found
+
+
+class Addresses(NamedTuple):
+    """Whole into mjData, in the order of `JOINTS` (4) or `ASSISTED` (2).
+
+    The arrays of motors are empty without an exoskeleton, and those of cuff forces without cuffs.
+    """
+
+    joints: Whole  # angles of the arm in qpos, and rates in qvel (all joints are hinges), (4,)
+    exo_joints: Whole  # angles of the exoskeleton in qpos, those of the arm if it is rigid, (4,)
+    driven: Whole  # those of the exoskeleton's joints that carry a motor, (2,)
+    assisted: Whole  # positions of the assisted joints in `JOINTS`, (2,)
+    human: Whole  # torques of the wearer in actuator_force, (4,)
+    intention: Whole  # controls of the wearer: position, velocity, feed-forward, (3, 4)
+    encoders: Whole  # angles of the encoders in sensordata, (4,)
+    assist: Whole  # torques of the motors in actuator_force, (2,)
+    motors: Whole  # controls of the motors, which are torques [N·m], (2,)
+    peak_torque: Array  # largest torque of each motor [N·m], (2,)
+    pushes: Whole  # controls of the forces on the grip, (3,); none where a task has none
+    hand: Whole  # place of the grip in sensordata, (3,)
+    cuffs: Whole  # forces on upper arm, forearm and hand in sensordata, (9,)
+    # A joint occurs once for each kind of model that its suit may have, of which one is active.
+    suited: Whole  # positions in `JOINTS` of the joints that suits resist, (n,)
+    suit_torque: Whole  # torques of these models in sensordata, (n,)
+    dissipated: Whole  # energies that they have dissipated in sensordata, (n,)
+    faults: Whole  # fault flags of these models in plugin_state, (n,)
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> "Addresses":
+        """Returns the addresses of a model, which are found by name."""
+        actuators = {model.actuator(i).name: i for i in range(model.nactuator)}
+        sensors = {model.sensor(i).name: model.sensor_adr[i] for i in range(model.nsensor)}
+        joints = {model.joint(i).name: model.jnt_qposadr[i] for i in range(model.njnt)}
+        human = [actuators[f"human_{joint}"] for joint in JOINTS]
+        motors = [f"assist_{joint}" for joint in ASSISTED]
+        assist = _indices(actuators[motor] for motor in motors if motor in actuators)
+        cuffs = [f"cuff_{segment}_force" for segment in CUFFS]
+        forces = _indices(sensors[cuff] for cuff in cuffs if cuff in sensors)
+        found = [re.fullmatch(r"(.*)(_suit(?:_\d+)?)_torque", sensor) for sensor in sensors]
+        resisting = sorted((JOINTS.index(match[1]), match[2]) for match in found if match)
+        suits = [f"{JOINTS[i]}{suit}" for i, suit in resisting]
+        exo_joints = _indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS)
+        assisted = _indices(JOINTS.index(joint) for joint in ASSISTED)
+        return cls(
+            joints=_indices(joints[joint] for joint in JOINTS),
+            exo_joints=exo_joints,
+            driven=exo_joints[assisted],
+            assisted=assisted,
+            human=_indices(human),
+            intention=_indices(model.actuator_ctrladr[human]) + np.arange(3)[:, None],
+            encoders=_indices(sensors[f"encoder_{joint}"] for joint in JOINTS),
+            assist=assist,
+            motors=_indices(model.actuator_ctrladr[assist]),
+            peak_torque=model.actuator_forcerange[assist, 1],
+            pushes=_indices(
+                model.actuator_ctrladr[actuators[push]] for push in PUSHES if push in actuators
+            ),
+            hand=sensors["hand_position"] + np.arange(3),
+            cuffs=(forces[:, None] + np.arange(3)).ravel(),
+            suited=_indices(i for i, _ in resisting),
+            suit_torque=_indices(sensors[f"{suit}_torque"] for suit in suits),
+            dissipated=_indices(sensors[f"{suit}_dissipated_energy"] for suit in suits),
+            faults=fault_slots(model),
+        )
+
+
+def _indices(values) -> Whole:
+    return np.array(list(values), dtype=np.int64)

@@ -10,11 +10,19 @@ from numba import njit
 from ...arrays import Array
 from ...kernels import inner
 from ..person.control import NOISE_SIZE
-from ..person.strength import SHAPE
-from ..person.strength_kernels import group_torque
-from .addresses import Addresses
+from ..person.strength import SHAPE, group_torque
 from .inverse_dynamics import arm_torque
-from .structs import Episode, Feedback, Index, Intention, MuscleNoise, Muscles, Physics, Wearer
+from .structs import (
+    Addresses,
+    Episode,
+    Feedback,
+    Index,
+    Intention,
+    MuscleNoise,
+    Muscles,
+    Physics,
+    Wearer,
+)
 
 # Rows of `impedance`.
 BASE, SLOPE, DAMPING, RELAXATION, USUAL = range(5)
@@ -41,17 +49,7 @@ def vary(row: int, step: int, noise: MuscleNoise) -> None:
 @inner(forceinline=True)
 def most(isometric: float, way: int, joint: int, angle: float, speed: float) -> float:
     """Returns the greatest torque of a muscle group with some isometric strength [N·m]."""
-    return group_torque(
-        isometric,
-        angle,
-        speed,
-        SHAPE[0, way, joint],
-        SHAPE[1, way, joint],
-        SHAPE[2, way, joint],
-        SHAPE[3, way, joint],
-        SHAPE[4, way, joint],
-        SHAPE[5, way, joint],
-    )
+    return group_torque(isometric, angle, speed, SHAPE, way, joint)
 
 
 @inner(forceinline=True)

@@ -4,22 +4,22 @@ from pathlib import PurePath
 
 from ...errors import InputError, unknown_name
 from ..simulation.plan import Plan
-from .hammer import HAMMER, Hammer
-from .handrail import HANDRAIL, Handrail
-from .minor_loops import MINOR_LOOPS, MinorLoops
-from .overhead_hold import OVERHEAD_HOLD, OverheadHold
-from .random_moves import ARM_TRACKING, ELBOW_FLEXION, SHOULDER_FLEXION, RandomMoves
-from .ratchet import RATCHET, Ratchet
-from .reach_panel import OBJECT_RELOCATION, REACH_PANEL, ObjectRelocation, ReachPanel
-from .recorded import MOTION, RecordedMotion
-from .scoop import SCOOP, Scoop
-from .task import Task
-from .transition_curves import (
+from .joints import (
+    ARM_TRACKING,
+    ELBOW_FLEXION,
+    MINOR_LOOPS,
     RANGE_OF_MOTION,
+    SHOULDER_FLEXION,
     TRANSITION_CURVES,
+    MinorLoops,
+    RandomMoves,
     RangeOfMotion,
     TransitionCurves,
 )
+from .places import HANDRAIL, OBJECT_RELOCATION, REACH_PANEL, Handrail, ObjectRelocation, ReachPanel
+from .recorded import MOTION, RecordedMotion
+from .task import Task
+from .tools import HAMMER, OVERHEAD_HOLD, RATCHET, SCOOP, Hammer, OverheadHold, Ratchet, Scoop
 
 __all__ = [
     "ARM_TRACKING",

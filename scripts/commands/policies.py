@@ -7,8 +7,7 @@ import tyro
 
 from ...envs.evaluation import BOUNDS
 from ...envs.policies import POLICIES
-from ...envs.policies.build import options_of
-from ...envs.policies.network import read_card
+from ...envs.policies.registry import PolicyKind
 from ...envs.policies.trained import shipped_policies
 from ...errors import unknown_name
 from ...text import say
@@ -28,12 +27,11 @@ def policies(
     Args:
         name: Name of a policy, or folder of a training run.
     """
-    found = {one: _about(maker) for one, maker in POLICIES.items()}
-    found |= {one: _trained(folder) for one, folder in shipped_policies().items()}
+    found = {one: _about(one) for one in (*POLICIES, *shipped_policies())}
     if name is not None and name not in found:
         if not os.path.isdir(name):
             raise unknown_name("policy", name, known_policies())
-        found[name] = _trained(name)
+        found[name] = _about(name)
     found = {one: about for one, about in found.items() if name in (None, one)}
     if json:
         print(to_json(found))
@@ -50,14 +48,7 @@ def policies(
     say(f"evaluate also takes the bounds {' and '.join(BOUNDS)}, which know the whole motion.")
 
 
-def _about(maker: Any) -> dict[str, Any]:
-    return {
-        "does": (maker.__doc__ or "").partition("\n\n")[0].strip(),
-        "sensors": list(maker.sensors),
-        "options": list(options_of(maker)),
-    }
-
-
-def _trained(folder: str) -> dict[str, Any]:
-    card = read_card(folder)
-    return {"does": card.summary or "", "sensors": card.observation["sensors"], "options": []}
+def _about(name: str) -> dict[str, Any]:
+    kind = PolicyKind.of(name)
+    sensors = list(kind.needs["sensors"])
+    return {"does": kind.about, "sensors": sensors, "options": list(kind.options)}

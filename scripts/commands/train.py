@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from ...checks import at_least
-from ...envs.policies.build import residual_of
 from ...envs.policies.network import Residual
+from ...envs.policies.registry import residual_of
 from ...envs.policies.residual import SCALE
 from ...envs.policies.trained import OBSERVATION, portable
 from ...errors import InputError

@@ -17,8 +17,8 @@ from ...envs.evaluation.wearers import ArmLost
 from ...envs.model import ASSISTED
 from ...envs.plant import Plant
 from ...envs.policies import Policy, policy_spec
-from ...envs.policies.build import network_policy
 from ...envs.policies.network import Network, files_of
+from ...envs.policies.registry import network_policy
 from ...errors import InputError
 from ...json_files import modelled, read_json
 from ..output import messages

@@ -10,8 +10,8 @@ from ...envs.levels import NOMINAL
 from ...envs.making import make_arms
 from ...envs.plant import Plant
 from ...envs.policies import needed_options
-from ...envs.policies.build import base_of
 from ...envs.policies.network import CARD, Card, read_card
+from ...envs.policies.registry import base_of
 from ...envs.policies.saving import card_of
 from ...envs.policies.trained import OBSERVATION, environment_of, training_of
 from ...errors import InputError, shown

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from activesuit.assets import FOLDER, JOINTS, SCENE
 from activesuit.envs.model import ArmConfig, bare_arm
-from activesuit.envs.model.drawing import drawn_quantities
 from activesuit.envs.person.strength import PROVENANCE
+from activesuit.tools.provenance import drawn_quantities
 from scipy.stats import qmc
 
 

@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
-from activesuit.envs.person.effort import effort_metrics
-from activesuit.envs.person.smoothness import log_dimensionless_jerk, spectral_arc_length
+from activesuit.envs.person.effort import (
+    effort_metrics,
+    log_dimensionless_jerk,
+    spectral_arc_length,
+)
 from helpers import assert_refused
 
 DT = 0.01

@@ -9,9 +9,9 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy, needed_options
-from activesuit.envs.policies.corrected import CorrectedCompensation
+from activesuit.envs.policies.adaptive import learned
 from activesuit.envs.policies.guard import RESERVE, lessen, updated_ledger
-from activesuit.envs.policies.iterative import learned
+from activesuit.envs.policies.observers import CorrectedCompensation
 from activesuit.envs.simulation.simulation import PREVIEW
 from shown import asked, made
 

@@ -9,7 +9,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.momentum_observer import MomentumObserver
+from activesuit.envs.policies.observers import MomentumObserver
 from shown import asked, made
 
 

@@ -5,8 +5,8 @@ import pytest
 from activesuit.envs.making import make_arms
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.build import base_of, residual_of
 from activesuit.envs.policies.network import Residual
+from activesuit.envs.policies.registry import base_of, residual_of
 from activesuit.envs.policies.residual import Cohorts, ResidualPolicy, corrected
 from helpers import assert_refused
 

@@ -11,7 +11,7 @@ from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.model import ArmConfig, Payload, compose
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
-from activesuit.envs.tasks.hammer import HANDLE, IMPACT, RAISED, THROUGH
+from activesuit.envs.tasks.tools import HANDLE, IMPACT, RAISED, THROUGH
 from arms import addresses, physics, state
 
 PICKED, PUT_DOWN, MASS = 100, 600, 3.0  # control periods, kg

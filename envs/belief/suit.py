@@ -1,29 +1,18 @@
-"""A controller's model of an arm: the torque of its suit, and of all that it carries."""
+"""A controller's model of the suit: the torque that it resists with, from a memory of its own."""
 
-import copy
 from collections.abc import Mapping
 from typing import Protocol
 
-import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...assets import JOINTS, SuitJoint
+from ...assets import SuitJoint
 from ...hysteresis import Viscoelastic
 from ..model import ASSISTED
-from ..provenance import Quantity
-from .trigonometric import Trigonometric
+from ..provenance import numbers_of, values_of
 
-_LEAD = Quantity(
-    "belief.lead",
-    0.02,
-    "s",
-    "a motor's lag at 10 Hz, 0.016 s, and half a control period",
-    "derived",
-)
-PROVENANCE: tuple[Quantity, ...] = (_LEAD,)
-LEAD = _LEAD.value
+PROVENANCE = numbers_of("belief")
+LEAD = values_of(PROVENANCE)["belief.lead"]  # [s], time by which the motors answer late
 DEAD_BAND = 1.5  # [encoder counts], greatest change that counts as no motion
 
 
@@ -160,57 +149,3 @@ def _relaxed(model: Viscoelastic, torque: Array, rate: Array, time: float) -> Ar
     """Returns the torque of the Maxwell element after some time at a constant rate [N·m]."""
     steady = model.relaxation_stiffness * model.relaxation_time * rate
     return steady + (torque - steady) * np.exp(-time / model.relaxation_time)
-
-
-class BelievedWeight:
-    """The static torque that supports an arm with suit, exoskeleton and load.
-
-    Between joints that turn about fixed axes, this torque is linear in the sine and in the cosine
-    of each joint's angle (see `Trigonometric`).
-
-    Args:
-        model: Model of the believed arm; with cuffs, the exoskeleton's joints are taken at the
-            same angles as the arm's.
-
-    Attributes:
-        torque: The torque as a function of the four angles.
-    """
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        places = chains(model)
-        data, torque = mujoco.MjData(model), np.zeros(model.nv)
-        assisted = [JOINTS.index(joint) for joint in ASSISTED]
-
-        def static_torque(pose: Array) -> Array:
-            for chain in places:
-                data.qpos[chain] = pose
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_rne(model, data, 0, torque)
-            return np.sum([torque[chain] for chain in places], axis=0)[assisted]
-
-        self.torque = Trigonometric(static_torque, len(JOINTS), 1)
-
-    def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
-        """Returns the difference of the static torques of two models."""
-        rest = copy.copy(self)
-        rest.torque = self.torque - other.torque
-        return rest
-
-    def __call__(self, angle: Array) -> Array:
-        """Returns the torque at the assisted joints [N·m], shape (n, 2).
-
-        Args:
-            angle: Angles of the four joints [rad], shape (n, 4).
-        """
-        return self.torque(angle)
-
-
-def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
-    """Returns the addresses of the four joints: the arm's, and with cuffs the exoskeleton's too."""
-    names: list[tuple[str, ...]] = [JOINTS]
-    if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
-        names.append(tuple(f"exo_{joint}" for joint in JOINTS))
-    return [
-        np.array([model.joint(joint).qposadr[0] for joint in chain], np.int64) for chain in names
-    ]

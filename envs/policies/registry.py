@@ -1,12 +1,11 @@
-"""Makes policies by name and options, which are plain data."""
+"""The registry of policies: their kinds by name, and policies that are made of plain data."""
 
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib import import_module
-from typing import Any, cast, get_type_hints
+from typing import Any, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
@@ -16,24 +15,26 @@ from ...json_files import read_json
 from ..arm_env import ArmEnv
 from ..belief import Belief
 from ..model import resisting_joints
+from ..own_code import imported
 from ..plant import Plant
 from ..setup import USUAL
 from ..vector_env import ArmVectorEnv
-from .adaptive import Adaptive
+from .adaptive import Adaptive, IterativeLearning
 from .base import Policy
-from .compensation import Compensation, Complement
-from .corrected import CorrectedCompensation
-from .disturbance_observer import DisturbanceObserver
-from .feedforward import HysteresisFeedforward
-from .gravity import GravityCompensation
 from .guard import Guard
 from .impedance import Impedance
-from .iterative import IterativeLearning
-from .momentum_observer import ObserverAssist
+from .model_based import (
+    Compensation,
+    Complement,
+    GravityCompensation,
+    HysteresisFeedforward,
+    NoAssist,
+    Oracle,
+    Transparent,
+)
 from .network import Card, Network, Residual, read_card, read_network
-from .no_assist import NoAssist
-from .oracle import Oracle
-from .outside import own_policy
+from .observers import CorrectedCompensation, DisturbanceObserver, ObserverAssist
+from .own import own_policy
 from .predictive import PredictiveSampling
 from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
 from .trained import (
@@ -45,7 +46,6 @@ from .trained import (
     portable,
     shipped_policies,
 )
-from .transparent import Transparent
 
 POLICIES: dict[str, Callable[..., Policy]] = {
     "none": NoAssist,
@@ -138,81 +138,103 @@ def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = F
         raise InputError(
             f"the policy is {shown(given)}: give a name, such as 'compensation', or a dict with one"
         )
-    maker = maker_of(spec.name, beside)
-    known = {} if maker is None else {**options_of(maker), GUARD: bool}
+    kind = PolicyKind.of(spec.name, beside)
+    known = {**kind.options, GUARD: bool} if kind.maker else {}
     if known and spec.options.get(GUARD):
         known = {**_BELIEF, **known}
     options = {}
     for name, value in spec.options.items():
+        if not known:
+            raise InputError(f"the run in {spec.name!r} has no options: leave {name} out")
         if name not in known:
-            if not known:
-                raise InputError(f"the run in {spec.name!r} has no options: leave {name} out")
             raise unknown_name(f"option of policy {spec.name!r}", name, known)
         options[name] = _typed(f"option {name} of policy {spec.name!r}", value, known[name])
     return PolicySpec(spec.name, options)
 
 
-def maker_of(name: str, beside: Sequence[str] = ()) -> Callable[..., Policy] | None:
-    """Returns the class of a policy; None for a trained one, shipped or the folder of a run."""
-    if name in POLICIES:
-        return POLICIES[name]
-    if folder_of(name):
-        return None
-    module, _, attribute = name.partition(":")
-    if name in _EXAMPLES:
-        raise InputError(
-            f"policy {name!r} is an example since version 0.3: name it "
-            f"examples.controllers.{_EXAMPLES[name]} in a clone of the source repository"
-        )
-    if not attribute:  # a name may be too long for a path
-        known = (
-            *POLICIES,
-            *shipped_policies(),
-            *beside,
-            "the folder of a training run",
-            "package.module:Class",
-        )
-        raise unknown_name("policy", name, known)
-    try:
-        found = getattr(import_module(module), attribute)
-    except Exception as error:  # the user's code fails in any way that code can
-        raise InputError(
-            f"the policy {name!r} cannot be imported ({type(error).__name__}: {error}): name a "
-            "module that is installed or in the working folder, and a class in it"
-        ) from error
-    if not callable(found):
-        raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
-    return cast(Callable[..., Policy], found)
+@dataclass(frozen=True, kw_only=True)
+class PolicyKind:
+    """What is known of a policy by its name alone, before an environment is made for it.
 
-
-def options_of(maker: Callable[..., Policy]) -> dict[str, Any]:
-    """Returns the types of the options that a policy takes, by name.
-
-    Args:
-        maker: Class of the policy, or a function that makes it.
+    Attributes:
+        name: Name among `POLICIES` or `shipped_policies`, folder of a training run, or
+            "package.module:Class".
+        maker: Class of the policy, or a function that makes it; None for a trained one.
+        folder: Folder of a trained policy; None for the others.
+        options: Types of its options by name.
+        believes: Whether it takes a `Belief`: its suit, pressure, load and wearer.
     """
-    try:
-        _, *rest = inspect.signature(maker).parameters.values()  # the first is the environment
-        hints = get_type_hints(maker.__init__ if isinstance(maker, type) else maker)
-    except Exception as error:  # no argument, or annotations that cannot be read
-        raise InputError(
-            f"{shown(maker)} makes no policy ({type(error).__name__}: {error}): give a class or a "
-            "function whose first argument is the environment"
-        ) from error
-    known: dict[str, Any] = {}
-    for one in rest:
-        if one.name == "belief":
-            known |= _BELIEF
-        elif one.kind is one.KEYWORD_ONLY or one.default is not one.empty:
-            usual = type(one.default) if one.default not in (None, one.empty) else Any
-            known[one.name] = hints.get(one.name, usual)
-    return known
+
+    name: str
+    maker: Callable[..., Policy] | None = None
+    folder: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    believes: bool = False
+
+    @classmethod
+    def of(cls, name: str, beside: Sequence[str] = ()) -> "PolicyKind":
+        """Returns the kind of a name; `beside` are other names for the message about unknown ones.
+
+        Raises:
+            InputError: There is no such policy, or a class of your own cannot be imported or used.
+        """
+        if name in POLICIES:
+            return cls._made_by(name, POLICIES[name])
+        if folder := folder_of(name):
+            return cls(name=name, folder=folder)
+        if name in _EXAMPLES:
+            raise InputError(
+                f"policy {name!r} is an example since version 0.3: name it "
+                f"examples.controllers.{_EXAMPLES[name]} in a clone of the source repository"
+            )
+        if not name.partition(":")[2]:
+            other = ("the folder of a training run", "package.module:Class")
+            raise unknown_name("policy", name, (*POLICIES, *shipped_policies(), *beside, *other))
+        found = imported("policy", name, "class")
+        if not callable(found):
+            raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
+        return cls._made_by(name, found)
+
+    @classmethod
+    def _made_by(cls, name: str, maker: Callable[..., Any]) -> "PolicyKind":
+        try:
+            _, *rest = inspect.signature(maker).parameters.values()  # the first is the plant
+            hints = get_type_hints(maker.__init__ if isinstance(maker, type) else maker)
+        except Exception as error:  # no argument, or annotations that cannot be read
+            raise InputError(
+                f"{shown(maker)} makes no policy ({type(error).__name__}: {error}): give a class "
+                "or a function whose first argument is the environment"
+            ) from error
+        options: dict[str, Any] = {}
+        for one in rest:
+            if one.name == "belief":
+                options |= _BELIEF
+            elif one.kind is one.KEYWORD_ONLY or one.default is not one.empty:
+                usual = type(one.default) if one.default not in (None, one.empty) else Any
+                options[one.name] = hints.get(one.name, usual)
+        believes = any(one.name == "belief" for one in rest)
+        return cls(name=name, maker=maker, options=options, believes=believes)
+
+    @property
+    def about(self) -> str:
+        """What the policy does, in a sentence."""
+        if self.maker is None:
+            return read_card(self.folder).summary or ""
+        return (self.maker.__doc__ or "").partition("\n\n")[0].strip()
+
+    @property
+    def needs(self) -> dict[str, Any]:
+        """Options of an environment in which the policy can act; see `needed_options`."""
+        if self.maker is None:
+            found = environment_of(self.folder)
+            return {part: found.get(part, USUAL[part]) for part in OBSERVATION}
+        sensors = getattr(self.maker, "sensors", None)
+        return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 
 
 def believes(name: str) -> bool:
-    """Returns whether a policy takes a `Belief`: its suit, pressure, load and wearer."""
-    maker = maker_of(name) if name in POLICIES or ":" in name else None
-    return maker is not None and "belief" in inspect.signature(maker).parameters
+    """Returns whether the policy of a name takes a `Belief`; references and bounds take none."""
+    return (name in POLICIES or ":" in name) and PolicyKind.of(name).believes
 
 
 def needed_options(given: AnyPolicy) -> dict[str, Any]:
@@ -223,13 +245,7 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
             trained one, which needs what it was trained with; or a class of your own without
             `sensors`, which takes what there is.
     """
-    name = policy_spec(given).name
-    maker = maker_of(name)
-    if maker is None:
-        found = environment_of(_folder(name))
-        return {part: found.get(part, USUAL[part]) for part in OBSERVATION}
-    sensors = getattr(maker, "sensors", None)
-    return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
+    return PolicyKind.of(policy_spec(given).name).needs
 
 
 def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
@@ -244,24 +260,23 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
         InputError: See `policy_spec`; or the environment has no motors or not the sensors that the
             policy needs, or an option is out of its range.
     """
-    spec = policy_spec(given)
-    plant, needed = _plant_of(env), needed_options(spec)
-    name, sensors = spec.name, needed.get("sensors", ())
+    spec, plant = policy_spec(given), _plant_of(env)
+    name, kind = spec.name, PolicyKind.of(spec.name)
+    needs, sensors = kind.needs, kind.needs.get("sensors", ())
     if name != "none" and not plant.motors:
         raise InputError(
             f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "
             "policy 'none'"
         )
-    maker = maker_of(name)
-    if maker is None:
-        card = read_card(_folder(name))
-        return network_policy(card, read_network(_folder(name), card), plant, name)
+    if kind.maker is None:
+        card = read_card(kind.folder)
+        return network_policy(card, read_network(kind.folder, card), plant, name)
     if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
             f"{', '.join(plant.sensors)}: make it with sensors={list(sensors)}"
         )
-    if needed and name != "none" and plant.normalized:
+    if needs and name != "none" and plant.normalized:
         raise InputError(
             f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
             "without"
@@ -271,10 +286,10 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
     plant = replace(plant, config=belief.of(plant.config))
     resisting_joints(plant.config)  # a mistake in it is reported here
-    if believes(name):
+    if kind.believes:
         options["belief"] = belief
-    made = maker if name in POLICIES else partial(own_policy, name, maker, plant.motors)
-    policy = made(plant, **options)
+    make = kind.maker if name in POLICIES else partial(own_policy, name, kind.maker, plant.motors)
+    policy = make(plant, **options)
     return Guard(plant, policy, belief) if guarded else policy
 
 
@@ -321,12 +336,6 @@ def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
         raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
     return Plant.of(arm.episodes)
-
-
-def _folder(name: str) -> str:
-    found = folder_of(name)
-    assert found is not None  # `maker_of` has looked
-    return found
 
 
 def is_saved(text: str) -> bool:

@@ -1,4 +1,4 @@
-"""Rewards of a user's own: a function from the terms of the shipped one and from measurements."""
+"""Code of a user's own, which is named by its place, and whose mistakes become sentences."""
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -11,6 +11,37 @@ from ..arrays import Array
 from ..errors import InputError, shown
 
 Rewarding = Callable[[Mapping[str, Array], Mapping[str, NDArray]], Array]
+
+
+def imported(what: str, place: str, kind: str) -> Any:
+    """Returns what stands at a place.
+
+    Args:
+        what: What the place is of, for the message, such as "policy".
+        place: The place as "package.module:name".
+        kind: What stands there, such as "class".
+
+    Raises:
+        InputError: There is no such module or name, or the module fails.
+    """
+    module, _, name = place.partition(":")
+    try:
+        return getattr(import_module(module), name)
+    except Exception as error:  # the user's code fails in any way that code can
+        raise InputError(
+            f"the {what} {place!r} cannot be imported ({type(error).__name__}: {error}): name a "
+            f"module that is installed or in the working folder, and a {kind} in it"
+        ) from error
+
+
+def called(what: str, function: Callable[..., Any], *given: Any, **options: Any) -> Any:
+    """Returns what a function of a user's returns; `what` begins the message if that fails."""
+    try:
+        return function(*given, **options)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:  # the user's code fails in any way that code can
+        raise InputError(f"{what} ({type(error).__name__}: {error}): repair it") from error
 
 
 class OwnReward:
@@ -27,7 +58,7 @@ class OwnReward:
 
     def __init__(self, given: str | Rewarding) -> None:
         self.name = given if isinstance(given, str) else getattr(given, "__name__", repr(given))
-        self._function = _imported(given) if isinstance(given, str) else given
+        self._function = imported("reward", given, "function") if isinstance(given, str) else given
         if not callable(self._function):
             raise InputError(
                 f"the reward is {shown(given)}: give a function, or package.module:function"
@@ -36,12 +67,8 @@ class OwnReward:
     def __call__(self, terms: Mapping[str, Array], measured: Mapping[str, NDArray]) -> Array:
         """Returns the reward of n rows, shape (n,)."""
         rows = measured["lost"].shape
-        try:
-            found = np.asarray(self._function(terms, measured), float)
-        except Exception as error:  # the user's code fails in any way that code can
-            raise InputError(
-                f"the reward {self.name!r} fails ({type(error).__name__}: {error}): mend it"
-            ) from error
+        what = f"the reward {self.name!r} fails"
+        found = called(what, lambda: np.asarray(self._function(terms, measured), float))
         if found.shape != rows:
             raise InputError(
                 f"the reward {self.name!r} has the shape {found.shape}: return {rows}, one number "
@@ -54,14 +81,3 @@ class OwnReward:
                 "finite numbers"
             )
         return found
-
-
-def _imported(name: str) -> Any:
-    module, _, attribute = name.partition(":")
-    try:
-        return getattr(import_module(module), attribute)
-    except Exception as error:
-        raise InputError(
-            f"the reward {name!r} cannot be imported ({type(error).__name__}: {error}): name a "
-            "module that is installed or in the working folder, and a function in it"
-        ) from error

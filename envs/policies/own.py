@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown
+from ..own_code import called
 from .base import Policy
 
 
-class Outside:
+class OwnPolicy:
     """A policy of a user's own, whose mistakes become sentences that name it.
 
     Args:
@@ -29,17 +30,12 @@ class Outside:
 
     def reset(self) -> None:
         """Clears the memory of the policy."""
-        try:
-            self.policy.reset()
-        except Exception as error:
-            raise self._failed("reset", error) from error
+        called(f"policy {self._name!r} fails in reset()", self.policy.reset)
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns the action of the policy."""
-        try:
-            found = np.asarray(self.policy.act(observation), np.float64)
-        except Exception as error:
-            raise self._failed("act", error) from error
+        what = f"policy {self._name!r} fails in act()"
+        found = called(what, lambda: np.asarray(self.policy.act(observation), np.float64))
         wanted = (*observation.shape[:-1], self._motors)
         if found.shape != wanted:
             raise InputError(
@@ -53,18 +49,10 @@ class Outside:
             )
         return found
 
-    def _failed(self, method: str, error: Exception) -> InputError:
-        if isinstance(error, InputError):
-            return error
-        return InputError(
-            f"policy {self._name!r} fails in {method}() ({type(error).__name__}: {error}): repair "
-            "it"
-        )
-
 
 def own_policy(
     name: str, make: Callable[..., Policy], motors: int, *given: Any, **options: Any
-) -> Outside:
+) -> OwnPolicy:
     """Returns what a user's code makes, if it can act.
 
     Args:
@@ -74,18 +62,11 @@ def own_policy(
         *given: Its arguments.
         **options: Its options.
     """
-    try:
-        policy = make(*given, **options)
-    except InputError:
-        raise
-    except (Exception, SystemExit) as error:
-        raise InputError(
-            f"policy {name!r} cannot be made ({type(error).__name__}: {error}): repair it"
-        ) from error
+    policy = called(f"policy {name!r} cannot be made", make, *given, **options)
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise InputError(
                 f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
                 "that returns an object with reset() and act(observation)"
             )
-    return Outside(name, policy, motors)
+    return OwnPolicy(name, policy, motors)

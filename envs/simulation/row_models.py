@@ -39,7 +39,7 @@ class Variety:
     places: bool = False
 
 
-class Differing:
+class RowModels:
     """Gives rows of a batch their own wearer, misalignment, load and gravity.
 
     Args:

@@ -1,0 +1,232 @@
+"""Motions of joints without a load: random moves, nested loops, sweeps of measured suits."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError, shown, unknown_name
+from ...published import LI_RANGES, LI_TURNS
+from ..simulation.kinematics import Arm
+from ..simulation.plan import Motion, Plan
+from .motions import between, posture, ramped, random_motion, through
+from .task import LONGEST, SUSTAINED, Task, check_pair
+
+SHOULDER_RANGE, ELBOW_RANGE = LI_RANGES["shoulder"], LI_RANGES["elbow"]  # rad
+SHORTEST_MOVE = 0.01  # s
+
+Spans = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomMoves(Task):
+    """Joints that move between random angles.
+
+    Attributes:
+        span: Lowest and highest angle [rad] of the joints that move.
+        hold: Lowest and highest angle [rad] of the joints that stay at a random angle.
+        move_time: Shortest and longest time of a move [s].
+        dwell_time: Shortest and longest rest after it [s].
+    """
+
+    span: Spans = field(default_factory=dict)
+    hold: Spans = field(default_factory=dict)
+    move_time: tuple[float, float] = (1.2, 2.4)
+    dwell_time: tuple[float, float] = (0.0, 0.5)
+
+    source: ClassVar[str] = "ranges of Li et al. 2022; times assumed"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for what in ("span", "hold"):
+            _check_spans(what, getattr(self, what))
+        for joint in self.span.keys() & self.hold.keys():
+            raise InputError(
+                f"the task's span and hold both have {joint}: a joint either moves or stays"
+            )
+        for what, least in (("move_time", SHORTEST_MOVE), ("dwell_time", 0.0)):
+            times = getattr(self, what)
+            check_pair(f"the task's {what}", times, " s")
+            if not least <= times[0] <= times[1] <= LONGEST:
+                raise InputError(
+                    f"the task's {what} is {shown(times)}: give the shortest and the longest time, "
+                    f"from {least:g} to {LONGEST:g} s"
+                )
+
+    @property
+    def about(self) -> str:
+        """What the wearer does, in words."""
+        moved, resting = (
+            " and ".join(joint.replace("_flexion", "").replace("_", " ") for joint in joints)
+            for joints in (self.span, self.hold)
+        )
+        rest = f"; {resting} stays at one" if resting else ""
+        return f"Between random angles: {moved or 'nothing'}{rest}."
+
+    def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
+        """Returns random minimum-jerk moves; see `Task.motion`."""
+        return random_motion(
+            rng, self.span, self.hold, samples, dt, self.move_time, self.dwell_time
+        )
+
+
+def _check_spans(what: str, given: Any) -> None:
+    if not isinstance(given, Mapping):
+        raise InputError(f"the task's {what} is {shown(given)}: give a dict of angles by joint")
+    for joint, angles in given.items():
+        if joint not in JOINTS:
+            raise unknown_name(f"joint in the task's {what}", joint, JOINTS)
+        check_pair(f"the task's {what} of {joint}", angles, " rad")
+        if not angles[0] < angles[1]:
+            raise InputError(
+                f"the task's {what} of {joint} is {shown(angles)}: give the smaller angle first"
+            )
+
+
+SHOULDER_FLEXION = RandomMoves(
+    name="ShoulderFlexion",
+    span={"shoulder_flexion": SHOULDER_RANGE},
+    hold={"elbow_flexion": (0.6, 1.2)},
+    effort=SUSTAINED,
+)
+"""The shoulder flexes and extends between random angles; the elbow stays at one."""
+
+ELBOW_FLEXION = RandomMoves(
+    name="ElbowFlexion",
+    span={"elbow_flexion": ELBOW_RANGE},
+    hold={"shoulder_flexion": (0.4, 1.0)},
+    effort=SUSTAINED,
+)
+"""The elbow flexes and extends between random angles; the shoulder stays at one."""
+
+ARM_TRACKING = RandomMoves(
+    name="ArmTracking",
+    span={"shoulder_flexion": SHOULDER_RANGE, "elbow_flexion": ELBOW_RANGE},
+    effort=SUSTAINED,
+)
+"""Shoulder and elbow move independently between random angles."""
+
+
+FREQUENCIES = np.array([0.3, 0.4, 0.5, 0.6, 0.7])  # Hz
+BEGINNING = 1.0  # [s], rise of the amplitude from rest
+MOVED = {"shoulder_flexion": LI_RANGES["shoulder"], "elbow_flexion": LI_RANGES["elbow"]}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MinorLoops(Task):
+    """Shoulder and elbow move by sums of five sines with random phases."""
+
+    source: ClassVar[str] = (
+        "Li et al. 2022, future work: higher-order reversals; 0.3 to 0.7 Hz assumed"
+    )
+
+    def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
+        """Returns sums of sines that fill the measured ranges; see `Task.motion`."""
+        time = dt * np.arange(samples)
+        motion = np.zeros((3, samples, len(JOINTS)))
+        speed = math.tau * FREQUENCIES
+        for joint, (low, high) in MOVED.items():
+            phase = rng.uniform(0, math.tau, FREQUENCIES.size)
+            turned = speed * time[:, None] + phase
+            wave = np.sin(turned).sum(axis=1)
+            rate = (speed * np.cos(turned)).sum(axis=1)
+            acceleration = -(speed**2 * np.sin(turned)).sum(axis=1)
+            size = (high - low) / 2 / np.abs(wave).max()
+            column = JOINTS.index(joint)
+            grown = ramped(wave, rate, acceleration, time, BEGINNING)
+            motion[:, :, column] = size * np.array(grown)
+            motion[0, :, column] += (low + high) / 2
+        return motion[0], motion[1], motion[2]
+
+
+MINOR_LOOPS = MinorLoops(name="MinorLoops", duration=20.0, effort=SUSTAINED)
+"""Nested loops of shoulder and elbow for 20 s."""
+
+
+HOME = {"shoulder": 0.6, "elbow": 0.9}  # [rad], angle of the joint that does not move
+RAMP = 2.0  # [s], time from the start of the range to a turn
+TRIES = 3  # sweeps of each joint
+SPEED = 0.2  # rad/s, mean of a sweep
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransitionCurves(Task):
+    """The first-order transition curves of both joints, in random order."""
+
+    source: ClassVar[str] = "Li et al. 2022, curves of identification; ramp times assumed"
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns a curve for each published turn, first of one joint, then of the other."""
+        del arm
+        visits = []
+        for joint in _either_first(rng):
+            turns = rng.permutation(LI_TURNS[joint])
+            visits += [(joint, turn, RAMP) for turn in turns]
+        stops, _ = _there_and_back(visits)
+        return Plan(through(stops, samples, dt))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RangeOfMotion(Task):
+    """Each joint is swept through its measured range three times, the other one at home."""
+
+    source: ClassVar[str] = "Matty 2010 (NTRS 20100017776); ranges of Li et al. 2022"
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns three sweeps of one joint, then of the other; the ends are watched."""
+        del arm
+        visits = []
+        for joint in _either_first(rng):
+            low, high = LI_RANGES[joint]
+            visits += [(joint, high, (high - low) / SPEED)] * TRIES
+        stops, ends = _there_and_back(visits)
+        return Plan(
+            through(stops, samples, dt), watched=between([(end, end) for end in ends], samples, dt)
+        )
+
+
+def _either_first(rng: np.random.Generator) -> Sequence[str]:
+    joints = ("shoulder", "elbow")
+    return joints if rng.random() < 0.5 else joints[::-1]
+
+
+def _there_and_back(
+    visits: Sequence[tuple[str, float, float]],
+) -> tuple[list[tuple[float, Array]], list[float]]:
+    """Returns stops that take a joint from the start of its range to an angle and back, and ends.
+
+    Args:
+        visits: Joint, angle [rad] and time of a ramp [s] of each.
+    """
+    stops, ends, now = [], [], 0.0
+    before = None
+    for joint, angle, ramp in visits:
+        low = LI_RANGES[joint][0]
+        start, turn = _at(joint, low), _at(joint, angle)
+        if before not in (None, joint):
+            now += RAMP  # the motion changes from one joint to the other
+        stops += [(now, start), (now + ramp, turn), (now + 2 * ramp, start)]
+        ends += [now, now + ramp, now + 2 * ramp]
+        now, before = now + 2 * ramp, joint
+    stops = [stop for i, stop in enumerate(stops) if i == 0 or stop[0] > stops[i - 1][0]]
+    return stops, ends
+
+
+def _at(joint: str, angle: float) -> Array:
+    angles = {**HOME, joint: angle}
+    return posture(angles["shoulder"], angles["elbow"])
+
+
+TRANSITION_CURVES = TransitionCurves(
+    name="TransitionCurves", duration=42.0, tracking=0.02, effort=SUSTAINED
+)
+"""The published families of curves, followed to 20 mrad."""
+
+RANGE_OF_MOTION = RangeOfMotion(
+    name="RangeOfMotion", duration=60.0, tracking=0.1, effort=SUSTAINED, hand_error=0.03
+)
+"""Shoulder and elbow from end to end of their measured ranges, the hand within 3 cm there."""

@@ -1,0 +1,343 @@
+"""Work with tools in the hand: hammer, ratchet wrench, scoop, and a tool held above the head."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ..model.config import HEAVIEST_PAYLOAD
+from ..model.workplace import CARRIED, add_reaction, draw, grip, holder, place_of
+from ..provenance import setting
+from ..simulation.kinematics import Arm
+from ..simulation.plan import STRONGEST, Plan
+from .motions import between, posture, ramped, repeated, through
+from .task import LOADED, SUSTAINED, Task, check_range
+
+RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)
+BLOW, RAISING, PAUSE = 0.45, 0.6, 0.2  # s
+STEEPNESS = 1.6  # times the mean speed of the swing, at impact
+HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
+HEAD_SHARE = 0.77  # share of the mass; the rest is the handle
+STRIKING = 8  # bit of the contacts between hammer and anvil, which nothing else has
+LEAST_REBOUND = 0.15  # exp(-2) is that of a critically damped contact
+EARLY = 0.04  # s before the swing ends, when hand and speed are watched: the anvil comes sooner
+ROUNDING = 1e-9  # s
+THROUGH = 0.03  # [m], depth of the swing's end below the anvil's surface, so that it strikes
+CONTACT_TIME = 0.016  # [s], duration of the rebound; eight steps of the physics
+ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hammer(Task):
+    """The arm swings a hammer from its raised posture against an anvil, four times in 5 s.
+
+    Attributes:
+        mass: Mass of the hammer [kg].
+        rebound: Share of its speed with which the hammer leaves the anvil.
+    """
+
+    mass: float = setting(1.3, "kg", 0.1, HEAVIEST_PAYLOAD)
+    rebound: float = setting(0.4, "of the speed", LEAST_REBOUND, 0.9)
+
+    source: ClassVar[str] = "geology hammer of 1.3 kg, 0.8 blows a second; rebound assumed"
+    place: ClassVar[str] = "moon"
+    period: ClassVar[float | None] = BLOW + RAISING + PAUSE
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Puts a hammer in the hand, and an anvil where it strikes."""
+        at, sphere = grip(spec).pos, mujoco.mjtGeom.mjGEOM_SPHERE
+        head = at + np.array([HANDLE, 0, 0])
+        hammer = holder(spec).add_body(name="hammer", pos=at)
+        hammer.mass, hammer.explicitinertial = self.mass, True
+        hammer.ipos, hammer.inertia = _inertia(self.mass)
+        solid = hammer.add_geom(
+            name="hammer_head", type=sphere, size=[HEAD, 0, 0], pos=[HANDLE, 0, 0], mass=0, group=4
+        )
+        solid.contype, solid.conaffinity = STRIKING, 0
+        cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
+        draw(hammer, cylinder, "rubber", size=[0.013, 0, 0], fromto=[-0.08, 0, 0, HANDLE, 0, 0])
+        ends = [HANDLE, 0, 0.05, HANDLE, 0, -HEAD]
+        draw(hammer, cylinder, "exo_steel", size=[0.026, 0, 0], fromto=ends)
+        place, course = _strike(spec, head)
+        anvil = spec.body("torso").add_body(
+            name="anvil", pos=place + (HEAD + ANVIL_SIZE[2]) * course
+        )
+        anvil.alt.type = mujoco.mjtOrientation.mjORIENTATION_ZAXIS
+        anvil.alt.zaxis = -course
+        box = mujoco.mjtGeom.mjGEOM_BOX
+        face = anvil.add_geom(name="anvil", type=box, size=ANVIL_SIZE, mass=0, group=4)
+        face.contype, face.conaffinity, face.condim = 0, STRIKING, 1
+        face.priority, face.solimp = 1, [0.99, 0.99, 0.001, 0.5, 2]
+        face.solref = contact(self.rebound)
+        draw(anvil, box, "exo_steel", size=ANVIL_SIZE)
+        post = [0, 0, -ANVIL_SIZE[2], 0, 0, -0.3]
+        draw(anvil, cylinder, "exo_frame", size=[0.022, 0, 0], fromto=post)
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns swings down and back; the speed is watched where the hammer strikes."""
+        del arm
+        raised = RAISED + np.array([0, *rng.uniform(-0.05, 0.05, 2), 0])
+        period = BLOW + RAISING + PAUSE
+        time = np.mod(dt * np.arange(samples) + ROUNDING, period)  # all blows are alike
+        rate = STEEPNESS * (IMPACT - raised) / BLOW
+        motion = np.zeros((3, samples, len(JOINTS)))
+        still = np.zeros(len(JOINTS))
+        down = time < BLOW + 2 * ROUNDING
+        back = ~down & (time < BLOW + RAISING)
+        motion[0] = raised
+        motion[:, down] = _swing(time[down], BLOW, (raised, still), (IMPACT, rate))
+        motion[:, back] = _swing(
+            time[back] - BLOW, RAISING, (IMPACT, -self.rebound * rate), (raised, still)
+        )
+        blows = BLOW + period * np.arange(math.ceil(samples * dt / period))
+        windows = [(blow - EARLY, blow - EARLY) for blow in blows]
+        return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
+
+
+def contact(rebound: float) -> list[float]:
+    """Returns MuJoCo's solref of a contact that leaves a share of the speed.
+
+    A damped oscillator pushes and cannot pull, and is left when its force ends: with the damping
+    sin(x), the share is exp(-(pi - 2 x) tan(x)) (Schwager and Pöschel 2007).
+    """
+    from scipy.optimize import root_scalar  # slow to import
+
+    def excess(x: float) -> float:
+        return math.exp(-(math.pi - 2 * x) * math.tan(x)) - rebound
+
+    x = float(root_scalar(excess, bracket=(0.0, math.pi / 2 - 1e-6)).root)
+    frequency = (math.pi - 2 * x) / CONTACT_TIME / math.cos(x)
+    return [-(frequency**2), -2 * math.sin(x) * frequency]
+
+
+def _inertia(mass: float) -> tuple[Array, Array]:
+    """Returns center of mass from the grip [m] and moments about it [kg·m²] of a hammer."""
+    head, handle = HEAD_SHARE * mass, (1 - HEAD_SHARE) * mass
+    middle = (HANDLE - 0.08) / 2
+    center = (head * HANDLE + handle * middle) / mass
+    across = head * (HANDLE - center) ** 2 + handle * (middle - center) ** 2
+    across += 0.4 * head * HEAD**2 + handle * (HANDLE + 0.08) ** 2 / 12
+    return np.array([center, 0, 0]), np.array([0.4 * head * HEAD**2 + 1e-5, across, across])
+
+
+def _strike(spec: mujoco.MjSpec, head: Array) -> tuple[Array, Array]:
+    """Returns where the hammer's head strikes in the frame of the torso [m], and its course."""
+    step = 1e-6 * (IMPACT - RAISED)[1:]
+    place = place_of(spec, IMPACT[1:], head)
+    course = place - place_of(spec, IMPACT[1:] - step, head)
+    course = course / np.linalg.norm(course)
+    return place - THROUGH * course, course
+
+
+def _swing(
+    time: Array, duration: float, begin: tuple[Array, Array], end: tuple[Array, Array]
+) -> Array:
+    """Returns the quintic from angles and rates to angles and rates, without acceleration there.
+
+    Args:
+        time: Time since the beginning [s], shape (samples,).
+        duration: Time of the swing [s].
+        begin: Angles [rad] and rates [rad/s], shape (4,) each.
+        end: The same at the end.
+
+    Returns:
+        Angle, rate and acceleration, shape (3, samples, 4).
+    """
+    s = (time / duration)[:, None]
+    path = end[0] - begin[0]
+    first, last = duration * begin[1], duration * end[1]
+    a, b, c = 10 * path - 6 * first - 4 * last, -15 * path + 8 * first + 7 * last, 6 * path
+    c = c - 3 * (first + last)
+    angle = begin[0] + s * (first + s**2 * (a + s * (b + s * c)))
+    rate = (first + s**2 * (3 * a + s * (4 * b + s * 5 * c))) / duration
+    acceleration = s * (6 * a + s * (12 * b + s * 20 * c)) / duration**2
+    return np.array([angle, rate, acceleration])
+
+
+HAMMER = Hammer(
+    name="Hammer", duration=25.0, effort=LOADED, tracking=0.3, hand_error=0.05, slowness=0.2
+)
+"""Twenty blows, each in its place within 5 cm and with at least 80 % of the intended speed.
+
+The wrist may yield to a blow, which throws it back by some 0.25 rad.
+"""
+
+
+MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
+FREQUENCY = 1.0  # Hz
+STRAIGHT_ANGLE = (0.7, 0.9)  # rad
+DAMPING = 400.0  # [N·s/m], slope of the reaction, which has its limit at 0.1 m/s
+BEGINNING = 1.0  # [s], rise of the strokes from rest
+STROKE, STRAIGHT = JOINTS.index("elbow_flexion"), JOINTS.index("shoulder_flexion")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ratchet(Task):
+    """The elbow flexes against a reaction at the grip and extends freely, once a second.
+
+    Attributes:
+        reaction: Greatest force that withstands the stroke [N].
+    """
+
+    reaction: float = setting(40.0, "N", 0, STRONGEST)
+
+    source: ClassVar[str] = (
+        "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; stroke assumed"
+    )
+    place: ClassVar[str] = "microgravity"
+    period: ClassVar[float | None] = 1 / FREQUENCY
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Adds the reaction, and draws the wrench."""
+        add_reaction(spec, "ratchet", self.reaction, DAMPING)
+        at = grip(spec).pos
+        body = holder(spec)
+        draw(
+            body,
+            mujoco.mjtGeom.mjGEOM_CAPSULE,
+            "exo_steel",
+            size=[0.011, 0, 0],
+            fromto=[*(at + np.array([0, 0.07, 0])), *(at + np.array([0, -0.23, 0]))],
+        )
+        draw(
+            body,
+            mujoco.mjtGeom.mjGEOM_CYLINDER,
+            "exo_accent",
+            size=[0.028, 0, 0],
+            fromto=[*(at + np.array([-0.02, -0.25, 0])), *(at + np.array([0.05, -0.25, 0]))],
+        )
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns strokes that grow from rest; their ends are watched."""
+        del arm
+        time = dt * np.arange(samples)
+        speed = math.tau * FREQUENCY
+        wave, rate = -np.cos(speed * time), speed * np.sin(speed * time)
+        grown = ramped(wave, rate, -(speed**2) * wave, time, BEGINNING)
+        motion = np.zeros((3, samples, len(JOINTS)))
+        motion[0, :, STRAIGHT] = rng.uniform(*STRAIGHT_ANGLE)
+        motion[:, :, STROKE] = SWING * np.array(grown)
+        motion[0, :, STROKE] += MIDDLE
+        ends = (np.arange(1, 1 + round(samples * dt * FREQUENCY)) + 0.5) / FREQUENCY
+        windows = [(end, end) for end in ends]
+        return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
+
+
+RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=SUSTAINED, tracking=0.1, hand_error=0.03)
+"""Fifteen strokes against 40 N, the hand within 3 cm of the end of each."""
+
+
+LEVEL = math.pi / 2  # rad, pitch of a hand that points forward
+LOWERED, LIFTED = (posture(shoulder, LEVEL - shoulder) for shoulder in (0.4, 1.02))
+LIFT, REST, LOWER = 1.2, 0.3, 1.2  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scoop(Task):
+    """The arm lifts a level scoop full of soil forward and lowers it empty, every three seconds.
+
+    Attributes:
+        load: Least and greatest mass of the soil [kg]; each scoop has another one.
+    """
+
+    load: tuple[float, float] = (2.0, 5.0)
+
+    source: ClassVar[str] = "sampling on Apollo and IST-2; 3 s and 2 to 5 kg assumed"
+    place: ClassVar[str] = "moon"
+    carries: ClassVar[bool] = True
+    period: ClassVar[float | None] = 2 * REST + LIFT + LOWER
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_range("the task's load", self.load, " kg")
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Draws the scoop, and the soil while there is some."""
+        at, body = grip(spec).pos, holder(spec)
+        box = mujoco.mjtGeom.mjGEOM_BOX
+        draw(
+            body, box, "exo_steel", pos=at + np.array([-0.03, 0, -0.12]), size=[0.003, 0.055, 0.08]
+        )
+        for across in (-0.055, 0.055):
+            side = at + np.array([-0.015, across, -0.12])
+            draw(body, box, "exo_steel", pos=side, size=[0.018, 0.003, 0.08])
+        draw(
+            body,
+            mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+            "rubber",
+            pos=at + np.array([-0.015, 0, -0.125]),
+            size=[0.032, 0.048, 0.068],
+            name=f"{CARRIED}_soil",
+        )
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns lifts and descents; place and tilt are watched while there is a load."""
+        del arm
+        cycle = [(0.0, LOWERED), (REST, LOWERED), (REST + LIFT, LIFTED), (2 * REST + LIFT, LIFTED)]
+        stops = repeated(cycle, 2 * REST + LIFT + LOWER, samples * dt)
+        mass, time = np.zeros(samples), dt * np.arange(samples)
+        windows = []
+        for start, _ in stops[:: len(cycle)]:
+            full, empty = start + REST / 2, start + REST + LIFT + REST / 2
+            mass[(full <= time) & (time < empty)] = rng.uniform(*self.load)
+            windows.append((full + dt, empty - dt))
+        return Plan(through(stops, samples, dt), mass, watched=between(windows, samples, dt))
+
+
+SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, tracking=0.1, hand_error=0.1, tilt=0.2)
+"""Ten scoops; the hand tilts by at most 0.2 rad more or less than intended while it is loaded."""
+
+
+SHOULDER = ((0.85, 0.95), (1.1, 1.2))  # [rad], of lower and of higher places, in turn
+ELBOW = (1.1, 1.3)  # rad
+STAY, MOVE = 6.0, 1.5  # s, at a place, and to the next one
+SETTLING = 0.5  # [s], time at a place before the hand counts
+
+
+@dataclass(frozen=True, kw_only=True)
+class OverheadHold(Task):
+    """The raised arm holds a tool still for six seconds, at one place after the other.
+
+    Attributes:
+        load: Mass of the tool [kg].
+    """
+
+    load: float = setting(1.0, "kg", 0, HEAVIEST_PAYLOAD)
+
+    source: ClassVar[str] = "shoulder injuries in the EMU (Hilbert 2015); posture and load assumed"
+    place: ClassVar[str] = "mars"
+    carries: ClassVar[bool] = True
+    fatigue: ClassVar[bool] = True
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Draws the tool."""
+        at = grip(spec).pos
+        draw(
+            holder(spec),
+            mujoco.mjtGeom.mjGEOM_CAPSULE,
+            "exo_steel",
+            size=[0.02, 0, 0],
+            fromto=[*(at + np.array([-0.04, 0, 0])), *(at + np.array([0.14, 0, 0]))],
+        )
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns a lower and a higher place in turn; the hand is watched at each."""
+        del arm
+        period, stops, windows = STAY + MOVE, [], []
+        for i in range(int(samples * dt / period) + 2):
+            place = posture(rng.uniform(*SHOULDER[i % 2]), rng.uniform(*ELBOW))
+            stops += [(i * period, place), (i * period + STAY, place)]
+            windows.append((i * period + SETTLING * (i > 0), i * period + STAY))
+        return Plan(
+            through(stops, samples, dt),
+            mass=np.full(samples, self.load),
+            watched=between(windows, samples, dt),
+        )
+
+
+OVERHEAD_HOLD = OverheadHold(name="OverheadHold", duration=120.0, effort=SUSTAINED, hand_error=0.03)
+"""A tool of 1 kg, kept within 3 cm at each place, for 120 s, by muscles that tire."""
