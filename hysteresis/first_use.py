@@ -13,6 +13,7 @@ from typing import Any
 
 from numba import njit
 from numba.core import event
+from numba.core.caching import IndexDataCacheFile
 
 from ..errors import InputError, shown
 
@@ -94,6 +95,22 @@ def _nothing() -> None:
     pass
 
 
+_read_index = IndexDataCacheFile._load_index
+
+
+def _index_of_today(self: Any) -> dict[Any, str]:
+    """Returns what an index of numba's cache lists; nothing if it has types that are gone.
+
+    Numba reads the types before it compares dates, so that an upgrade of this package would end
+    with the name of a module that an older version had.
+    """
+    try:
+        return _read_index(self)
+    except (ImportError, AttributeError):
+        return {}
+
+
+IndexDataCacheFile._load_index = _index_of_today
 check_cache()
 listener = FirstUse()
 event.register("numba:compile", listener)

@@ -1,9 +1,13 @@
 """A first use that compiles for long says so, once, and names the cache."""
 
+import pickle
+
+import numba
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import first_use
 from activesuit.hysteresis.engine import native
+from numba.core import caching
 
 
 @pytest.fixture
@@ -75,3 +79,14 @@ def test_a_plugin_is_compiled_when_it_is_needed_and_once():
     for _ in range(2):
         native.compile_plugin("test.late")
     assert built == ["now"]
+
+
+def test_a_cache_with_types_of_an_older_version_counts_as_empty(tmp_path):
+    index = caching.IndexDataCacheFile(str(tmp_path), "kernel", "stamp")
+    index.save("signature", 5)
+    assert index.load("signature") == 5
+    gone = b"cactivesuit.gone\nMotor\n."  # a pickle that names a class of a module that is gone
+    (tmp_path / "kernel.nbi").write_bytes(pickle.dumps(numba.__version__) + gone)
+    assert index.load("signature") is None
+    index.save("signature", 6)
+    assert index.load("signature") == 6
