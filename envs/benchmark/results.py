@@ -1,9 +1,10 @@
-"""Results of the benchmark as lines of JSON, which anyone can merge."""
+"""Results of the benchmark: a trial makes one, and lines of JSON hold them for anyone to merge."""
 
 import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,10 +13,14 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
-from ..evaluation.reasons import Frequent
-from ..extras import STANDARD
+from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation.core import run
+from ..evaluation.reasons import Frequent, most_frequent
+from ..evaluation.rollout import Trace
+from ..extras import SCORES, STANDARD
 from ..levels import LEVELS
 from ..tasks import TASKS
+from .suite import Suite, Trial
 
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
@@ -23,6 +28,8 @@ Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(one_li
 LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
+DIGITS = 6  # significant digits of efforts and errors
+SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,3 +204,68 @@ def read_text(path: Path, what: str = "results") -> str:
         return content_of(path, what, LARGEST).decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read the {what} {str(path)!r}: not a UTF-8 text") from error
+
+
+def run_trial(suite: Suite, trial: Trial) -> Result:
+    """Runs one policy on all motions of a setting, with adapted wearers, on one thread.
+
+    Args:
+        suite: What the benchmark runs.
+        trial: One of its trials.
+
+    Returns:
+        The result; where the policy cannot act, every motion of it is failed, and why is said.
+
+    Raises:
+        InputError: The suite has the score of an extra that is missing.
+    """
+    episodes = suite.motions_of(trial.policy)
+    env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
+    name = trial.policy.name
+    given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
+    found: dict[str, Any] = {"failed": None}
+    try:
+        options = suite.environment(trial.setting)
+        score, traces, _ = run(trial.label, given, env, seeds, threads=1, **options)
+    except InputError as error:
+        found = dict.fromkeys(SIZES, (math.inf,) * episodes)
+        found |= {"success": (False,) * episodes, "failed": str(error)}
+    else:
+        found |= {size: _rounded(getattr(score, size)) for size in SIZES}
+        found |= {"success": score.success, "why": most_frequent(score.why)}
+        found["extra"] = {extra: _scored(extra, traces) for extra in suite.scores}
+    return Result(
+        **trial.setting._asdict(),
+        policy=trial.label,
+        options=trial.policy.to_dict(),
+        protocol=suite.protocol(trial.policy),
+        **found,
+    )
+
+
+def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
+    """Returns what a score keeps of the motions, or why they cannot be scored."""
+    score = SCORES.find(name)
+    try:
+        found = score.scored(traces, threads=1, on_motion=lambda: None)
+    except InputError as error:
+        return {"reason": str(error)}
+    packages = {one: version(one) for one in score.packages}
+    return {"costs": _plain(found.costs), "facts": _plain(found.facts), "packages": packages}
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value of a score as JSON has it: rounded, and None where it is not finite."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return _rounded([value])[0] if math.isfinite(value) else None
+
+
+def _rounded(values: Sequence[float]) -> tuple[float, ...]:
+    """Returns values as they are kept; infinite ones in place of NaN."""
+    return tuple(
+        math.inf if math.isnan(value) else float(f"{round(value, SMALLEST):.{DIGITS}g}")
+        for value in values
+    )

@@ -5,8 +5,10 @@ So intervals draw motions anew for all settings together. What other *tasks* wou
 question, with intervals that draw tasks anew.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,14 +16,17 @@ import numpy as np
 from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
-from ..evaluation.relief import LEAST_COST, relief
+from ..evaluation.extra_scores import Cost
 from ..evaluation.statistics import (
     FEWEST_RUNS,
+    LEAST_COST,
     Interval,
     difference_interval,
     interquartile_mean,
     interquartile_mean_interval,
+    relief,
 )
+from ..extras import STANDARD
 from ..levels import LEVELS
 from .results import SERIES, Result
 from .suite import BASELINE, Setting, where
@@ -280,3 +285,49 @@ def _clustered(values: Array) -> Interval:
     if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
         return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)
     return interquartile_mean_interval(values)
+
+
+def cost_over(
+    standings: Standings, policy: str, settings: Iterable[Setting], measures: Mapping[str, Measure]
+) -> Cost | None:
+    """Returns what settings cost under a policy; None where no trial has the cost.
+
+    Args:
+        standings: Results of the benchmark.
+        policy: Name of the policy.
+        settings: The settings.
+        measures: The cost under each convention.
+    """
+    settings = list(settings)
+    mine = [one for s in settings if (one := standings.of(s, policy)) is not None]
+    costs = [one for result in mine if (one := measures[STANDARD].series(result)) is not None]
+    if not costs or all(one.failed for one in mine):
+        return None
+    reliefs: dict[str, dict[Setting, Array]] = {}
+    for convention, measure in measures.items():
+        found = {s: standings.relief(s, policy, of=measure) for s in settings}
+        reliefs[convention] = {s: one for s, one in found.items() if one is not None}
+    standard = reliefs[STANDARD]
+    between = None
+    if standard and all(one.keys() == standard.keys() for one in reliefs.values()):
+        means = [interquartile_mean(aligned([*one.values()]).ravel()) for one in reliefs.values()]
+        between = float(min(means)), float(max(means))
+    mean = float(np.mean(np.concatenate(costs)))
+    return Cost(mean, over_motions([*standard.values()]), between)
+
+
+def measures_of(
+    results: Sequence[Result], score: str, cost: str, least: float
+) -> dict[str, Measure]:
+    """Returns a cost of a score as measures, by each convention that results have."""
+    costs = [one.extra.get(score, {}).get("costs", {}).get(cost, {}) for one in results]
+    conventions = dict.fromkeys((STANDARD, *(name for one in costs for name in one)))
+    return {name: Measure(partial(_series, score, cost, name), least) for name in conventions}
+
+
+def _series(score: str, cost: str, convention: str, result: Result) -> Sequence[float] | None:
+    """Returns the cost of each motion; None where the result does not have it."""
+    if result.failed is not None:
+        return (math.inf,) * len(result.effort)
+    kept = result.extra.get(score, {}).get("costs", {}).get(cost, {}).get(convention)
+    return None if kept is None else [math.inf if one is None else one for one in kept]

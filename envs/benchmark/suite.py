@@ -17,6 +17,7 @@ from ...assets import load_suit
 from ...checks import at_least, once
 from ...errors import InputError, unknown_name
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation.compare import check_policy
 from ..evaluation.statistics import FEWEST_MOTIONS
 from ..extras import SCORES
 from ..levels import COMPARED, LEVELS
@@ -147,6 +148,34 @@ class Suite:
     def environment(self, setting: Setting) -> dict[str, Any]:
         """Returns the options of the environment in a setting."""
         return {**setting.options, "coupling": self.coupling, **self.options}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns what a benchmark runs as plain values, by which it is known again."""
+        found = {"suite": self.name, "contract": self.contract, "tasks": self.tasks}
+        found |= {"levels": self.levels, "believed": self.believed, "motions": self.motions}
+        found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
+        others = {"options": self.options, "scores": self.scores}
+        return found | {name: one for name, one in others.items() if one}
+
+    def check(self) -> None:
+        """Makes every policy once; InputError where a policy or a suit cannot be had."""
+        for trial in replace(self, tasks=self.tasks[:1]).trials:
+            if trial.label not in (*REFERENCES, *BOUNDS):
+                env = f"ActiveSuit/{trial.setting.task}-v0"
+                check_policy(env, trial.policy, **self.environment(trial.setting))
+
+    def check_scores(self) -> None:
+        """Asks every score of an extra once; InputError where no task can have the score."""
+        places = {one.task: self.environment(one) for one in self.settings}
+        for score in self.scores:
+            refused = []
+            for task, options in places.items():
+                try:
+                    check_policy(f"ActiveSuit/{task}-v0", BOUNDS[0], (score,), **options)
+                except InputError as error:
+                    refused.append(error)
+            if len(refused) == len(places):
+                raise refused[-1]
 
     @property
     def settings(self) -> list[Setting]:

@@ -1,16 +1,20 @@
-"""Simulated motions as figures."""
+"""Evaluations as figures: the relief of each policy, and simulated motions."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...plots import LEAST_HEIGHT, Line, Mark, Panel, Plot
+from ...plots import LEAST_HEIGHT, PALETTE, Intervals, Line, Mark, Panel, Plot
 from ..model import ASSISTED
 from ..model.cuffs import FORCE_LIMITS
 from .rollout import Trace
+from .scores import REFERENCES
+
+if TYPE_CHECKING:
+    from .compare import Evaluation
 
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 TITLES = [joint.replace("_", " ") for joint in ASSISTED]
@@ -154,3 +158,18 @@ def _over_time(
 
 def _panel(x: str, y: str, marks: Sequence[Mark], **options: Any) -> Panel:
     return Panel(x=x, y=y, marks=marks, **options)
+
+
+def relief_plot(evaluation: "Evaluation") -> Plot | None:
+    """Returns the relief of each policy with its 95 % interval; None where no relief is known."""
+    found = {name: evaluation.relief(name) for name in evaluation.scores if name not in REFERENCES}
+    known = {name: one for name, one in found.items() if one is not None}
+    if not known:
+        return None
+    ends = ("value", "low", "high")
+    value, low, high = ([getattr(one, end) for one in known.values()] for end in ends)
+    marks = [Intervals([*known], value, low, high, color=PALETTE[0])]
+    axis = "relief: 0 is the suit alone, 1 is no suit"
+    panel = Panel(x=axis, y="", marks=marks)
+    height = 1.0 + 0.35 * len(known)
+    return Plot(title="Relief, with its 95 % interval", panels=[panel], height=height)

@@ -17,6 +17,7 @@ from .reasons import Reason
 from .rollout import Trace
 
 Values = tuple[float, ...]
+REFERENCES = ("unsuited", "suited")
 UNADAPTED = ("unadapted_effort", "unadapted_tracking")  # of wearers who have learned nothing
 BEGINNING = 0.5  # s
 TINY = 1e-9  # a sum of rewards that counts as none

@@ -13,10 +13,10 @@ from ..model import ASSISTED
 from ..policies import policy_spec
 from .compare import Evaluation
 from .core import FIRST_SEED
-from .failures import why_remarks
 from .figures import motion_plots
-from .report import cuff_remarks, score_table, trace_columns
+from .report import score_table, trace_columns
 from .rollout import Trace
+from .sentences import cuff_remarks, why_remarks
 from .statistics import FEWEST_MOTIONS
 from .validation import LIMITS, CurveError, Validation, believed_joints, compare_beliefs, verdict
 from .validation_report import (

@@ -12,8 +12,7 @@ from ...plots import Cells as Colored
 from ...plots import Panel, Plot
 from ...tables import Rows
 from .compare import Evaluation
-from .report import interval_text
-from .statistics import Interval, mean_interval
+from .statistics import Interval, interval_text, mean_interval
 from .validation import (
     LIMITS,
     NOT_VALID,
@@ -51,19 +50,10 @@ def torque_table(found: Validation) -> Rows:
 
 
 def _errors(error: TorqueError) -> Iterator[str]:
-    for one in (error.rms, error.peak, error.bias):
-        yield _two_lines(one, ".2f")
-    yield _two_lines(error.lag, ".0f")
-    yield _two_lines(_percent(error.nrmse), ".1f")
-
-
-def _percent(one: Interval) -> Interval:
-    return Interval(100 * one.value, 100 * one.low, 100 * one.high)
-
-
-def _two_lines(one: Interval, form: str) -> str:
-    value, low, high = (f"{0.0 + round(end, 6):{form}}" for end in (one.value, one.low, one.high))
-    return f"{value}\n{low} to {high}"
+    percent = Interval(*(100 * end for end in vars(error.nrmse).values()))
+    sizes = [(one, "z.2f") for one in (error.rms, error.peak, error.bias)]
+    for one, form in (*sizes, (error.lag, "z.0f"), (percent, "z.1f")):
+        yield interval_text(one, form, lines=True)
 
 
 def matrix_table(cells: Cells) -> Rows:
@@ -76,15 +66,16 @@ def matrix_table(cells: Cells) -> Rows:
 
 def matrix_plot(cells: Cells) -> Plot:
     """Returns a heat map of torque errors; each cell tells error, relief and verdict."""
-    labels = names_of(chain(*cells))
+    header, rows = matrix_table(cells)
     believed, plants = _axes(cells)
-    errors = np.array([[_error(cells[one, other]) for other in plants] for one in believed])
+    found = [[cells[one, other].torque.nrmse for other in plants] for one in believed]
+    errors = np.array([[one.value if one else 0.0 for one in row] for row in found])
     share = np.log(np.clip(errors, LEAST, MOST) / LEAST) / np.log(MOST / LEAST)
-    texts = [[_cell(cells[one, other]) for other in plants] for one in believed]
-    names = [labels[one] for one in believed], [labels[one] for one in plants]
-    panel = Panel(x="true suit", y="believed suit", marks=[Colored(share, texts, *names)])
+    names = [row[0] for row in rows], [name.removeprefix("wears\n") for name in header[1:]]
+    marks = [Colored(share, [row[1:] for row in rows], *names)]
+    panel = Panel(x="true suit", y="believed suit", marks=marks)
     title = f"Torque error by believed and true suit, green {LEAST:.0%}, red {MOST:.0%} and more"
-    return Plot(title=title, panels=[panel], height=1.4 + len(believed))
+    return Plot(title=title, panels=[panel], height=1.4 + len(rows))
 
 
 def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
@@ -95,18 +86,14 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
         believed: Name of the believed suit.
         suit: The believed suit.
     """
-    covered = ", ".join(
-        f"{joint} from {low:.2f} to {high:.2f} rad"
-        for joint, (low, high) in found.torque.covered.items()
-    )
     nrmse = found.torque.nrmse
     if nrmse is None:
         yield f"{believed}: {NOTHING}, as the true suit resists no assisted joint"
     elif found.same:
-        yield f"{believed}: no verdict, since it is the true suit too; the motions cover {covered}"
+        yield f"{believed}: no verdict, since it is the true suit too; {_covered(found)}"
     else:
         yield (
-            f"{believed}: {found.verdict} for {covered}; torque error "
+            f"{believed}: {found.verdict} for {_ranges(found)}; torque error "
             f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
         )
     yield from _beyond(found, believed, suit)
@@ -122,6 +109,16 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
         f"{interval_text(found.share_of_true)} of it, and "
         f"{interval_text(found.share_of_bound)} of the best known plan's"
     )
+
+
+def _ranges(found: Validation) -> str:
+    """Returns the angles that the motions covered, by joint."""
+    covered = found.torque.covered.items()
+    return ", ".join(f"{joint} from {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered)
+
+
+def _covered(found: Validation) -> str:
+    return f"the motions cover {_ranges(found)}"
 
 
 def _beyond(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
@@ -158,11 +155,7 @@ def answer(
         f"({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak, where the true suit is drawn among "
         f"the model and {count} others that its curves allow"
     )
-    covered = ", ".join(
-        f"{joint} from {low:.2f} to {high:.2f} rad"
-        for joint, (low, high) in found.torque.covered.items()
-    )
-    yield f"no verdict, since a suit says nothing against itself; the motions cover {covered}"
+    yield f"no verdict, since a suit says nothing against itself; {_covered(found)}"
     yield from _beyond(found, believed, suit)
     left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
     yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
@@ -231,13 +224,9 @@ def names_of(suits: Iterable[str]) -> dict[str, str]:
     }
 
 
-def _axes(cells: Cells) -> tuple[list[str], list[str]]:
-    believed, plants = zip(*cells, strict=True)
-    return list(dict.fromkeys(believed)), list(dict.fromkeys(plants))
-
-
-def _error(found: Validation) -> float:
-    return 0.0 if found.torque.nrmse is None else found.torque.nrmse.value
+def _axes(cells: Cells) -> Iterator[list[str]]:
+    """Yields the names of the believed suits, then of the true ones."""
+    return (list(dict.fromkeys(names)) for names in zip(*cells, strict=True))
 
 
 def _cell(found: Validation) -> str:
