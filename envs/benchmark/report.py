@@ -21,7 +21,7 @@ from ..levels import COMPARED
 from ..policies import POLICIES, needed_options
 from ..policies.trained import shipped_policies
 from .results import Result
-from .standings import FIXED, MARGIN, Measure, Standing, Standings, cost_over, measures_of
+from .standings import EFFORT, FIXED, MARGIN, Measure, Standings, cost_over, measures_of
 from .suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
@@ -148,16 +148,14 @@ class Benchmark(Standings):
             f"![Share of motions with at least a relief, by policy and level]({figure})\n"
         ]
         for level in self.levels:
-            parts.append(f"## {level}\n\n{markdown_table(*_safe(_level_rows(self, level)))}\n")
+            parts.append(f"## {level}\n\n{_safe(_level_rows(self, level))}\n")
         for level in self.levels:
             title = f"## {level}, by task: success and relief"
-            parts.append(
-                f"{title}\n\n{CELLS}\n\n{markdown_table(*_safe(_task_rows(self, level)))}\n"
-            )
+            parts.append(f"{title}\n\n{CELLS}\n\n{_safe(_task_rows(self, level))}\n")
         for name, said in self.scores.items():
             parts.append(f"## The score {without_markup(name)}\n\n{COSTS} {said.text}\n")
             for title, rows in said.tables.items():
-                parts.append(f"### {title}\n\n{markdown_table(*_safe(rows))}\n")
+                parts.append(f"### {title}\n\n{_safe(rows)}\n")
         parts.append(
             f"Made by `activesuit benchmark table` from {self.count} trials of suite version "
             f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
@@ -259,10 +257,11 @@ def _best_policies(standings: Standings) -> Iterator[str]:
         )
 
 
-def _safe(rows: Rows) -> Rows:
-    """Returns a table in which names from files have no markup of their own."""
+def _safe(rows: Rows) -> str:
+    """Returns a table as Markdown in which names from files have no markup of their own."""
     header, body = rows
-    return [*map(without_markup, header)], [[*map(without_markup, row)] for row in body]
+    safe = [[*map(without_markup, row)] for row in body]
+    return markdown_table([*map(without_markup, header)], safe)
 
 
 def _best(standings: Standings) -> str:
@@ -274,60 +273,46 @@ def _best(standings: Standings) -> str:
     first, most = causal[0], max(causal, key=lambda one: one.success)
     if first.success == most.success or first.relief is None or most.relief is None:
         return ""
+    names = [f"`{one.policy.replace('`', '')}`" for one in (first, most)]
     return (
-        f" **The best relief is not the best success**: at {level} {_code(first)} has the most "
+        f" **The best relief is not the best success**: at {level} {names[0]} has the most "
         f"relief ({first.relief.value:.2f}) and succeeds in {first.success:.0%} of its motions; "
-        f"{_code(most)} succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
+        f"{names[1]} succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
     )
 
 
-def _code(standing: Standing) -> str:
-    return f"`{standing.policy.replace('`', '')}`"
-
-
 def _profile_plot(standings: Standings) -> Plot:
-    """Returns performance profiles: the share of motions with at least a relief."""
+    """Returns performance profiles; in color are the policies with the most relief over all."""
     names = [name for name in standings.policies if name not in FIXED]
-    best = _first(standings, names)
-    bound = [FIXED[2]] if FIXED[2] in standings.policies else []
-    relief = np.linspace(LOWEST, 1.5, 251)
-    panels = []
+    means = dict.fromkeys((name for name in names if not name.endswith("-tuned")), -np.inf)
+    for name in means:
+        found = (standings.standing(name, standings.settings_at(x)) for x in standings.levels)
+        if reliefs := [one.relief.value for one in found if one.relief is not None]:
+            means[name] = float(np.mean(reliefs))
+    best = sorted(means, key=means.__getitem__, reverse=True)[:MOST_COLORED]
+    best += [FIXED[2]] * (FIXED[2] in standings.policies)
+    relief, panels = np.linspace(LOWEST, 1.5, 251), []
     for level in standings.levels:
-        behind = [
-            Line(relief, standings.profile(name, level, relief), width=0.8, color=FAINT)
-            for name in names
-            if name not in best
-        ]
-        before = [
-            Line(relief, standings.profile(name, level, relief), name) for name in [*best, *bound]
-        ]
-        panels.append(
-            Panel(x="relief", y="share of motions", marks=[*behind, *before], title=level)
-        )
+        share = {name: standings.profile(name, level, relief) for name in (*names, *best)}
+        behind = [Line(relief, share[n], width=0.8, color=FAINT) for n in names if n not in best]
+        marks = [*behind, *(Line(relief, share[name], name) for name in best)]
+        panels.append(Panel(x="relief", y="share of motions", marks=marks, title=level))
     return Plot(title="Share of motions with at least a relief", panels=panels, height=2.8)
 
 
-def _first(standings: Standings, names: Sequence[str]) -> list[str]:
-    """Returns the policies that are drawn in color: those with the most relief over all levels."""
-
-    def mean(policy: str) -> float:
-        found = (standings.standing(policy, standings.settings_at(x)) for x in standings.levels)
-        reliefs = [one.relief.value for one in found if one.relief is not None]
-        return float(np.mean(reliefs)) if reliefs else -np.inf
-
-    plain = [name for name in names if not name.endswith("-tuned")]
-    return sorted(plain, key=mean, reverse=True)[:MOST_COLORED]
-
-
-def _cell(standings: Standings, setting: Setting, policy: str) -> str:
+def _cell(
+    standings: Standings, setting: Setting, policy: str, measure: Measure | None = None
+) -> str:
+    """Returns the success of a policy in a setting, or its mean cost; below the mean relief."""
     found = standings.of(setting, policy)
-    if found is None:
-        return "-"
-    if found.failed:
+    series = found and (measure.series(found) if measure else found.success)
+    if found is not None and found.failed:
         return "failed"
-    relief = standings.relief(setting, policy)
-    success = f"{np.mean(found.success):.0%}"
-    return success if relief is None else f"{success}\n{np.mean(relief):.2f}"
+    if not series:
+        return "-"
+    relief = standings.relief(setting, policy, of=measure or EFFORT)
+    value = f"{np.mean(series):{'.3g' if measure else '.0%'}}"
+    return value if relief is None else f"{value}\n{np.mean(relief):.2f}"
 
 
 def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
@@ -343,17 +328,15 @@ def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
             for why in one.why:
                 found.setdefault(why.name, []).append((why, one.task))
         parts = []
-        for same in sorted(found.values(), key=lambda same: -_total(same)):
+        for same in found.values():
             why, task = max(same, key=lambda pair: pair[0].motions)
             most = f", most in {task}" if len({one.task for one in mine}) > 1 else ""
-            parts.append(f"{exceeded(why)} ({motions_text(_total(same))}{most})")
+            total = sum(one.motions for one, _ in same)
+            parts.append((total, f"{exceeded(why)} ({motions_text(total)}{most})"))
         if parts:
             failed = f"{motions.count(False)} of {len(motions)} motions"
-            yield f"{policy} at {level} failed in {failed}: {'; '.join(parts)}"
-
-
-def _total(same: Sequence[tuple[Frequent, str]]) -> int:
-    return sum(why.motions for why, _ in same)
+            text = "; ".join(part for _, part in sorted(parts, key=lambda pair: -pair[0]))
+            yield f"{policy} at {level} failed in {failed}: {text}"
 
 
 def _said(standings: Standings, name: str, results: Sequence[Result]) -> Said:
@@ -383,7 +366,7 @@ def _score_tables(standings: Standings, name: str, results: Sequence[Result]) ->
         tables[f"{level}: {name}"] = cost_table(name, costs, facts)
         first, of = next(iter(measures.items()))
         rows = [
-            [s.task, s.believed, *(_cost(standings, s, policy, of[STANDARD]) for policy in costs)]
+            [s.task, s.believed, *(_cell(standings, s, policy, of[STANDARD]) for policy in costs)]
             for s in settings
         ]
         tables[f"{level}: {name}, {first} by task"] = ["task", "believed", *costs], rows
@@ -392,17 +375,6 @@ def _score_tables(standings: Standings, name: str, results: Sequence[Result]) ->
 
 def _facts(result: Result, name: str) -> Mapping[str, Any]:
     return result.extra.get(name, {}).get("facts", {})
-
-
-def _cost(standings: Standings, setting: Setting, policy: str, measure: Measure) -> str:
-    found = standings.of(setting, policy)
-    if found is not None and found.failed:
-        return "failed"
-    series = found and measure.series(found)
-    if not series:
-        return "-"
-    relief = standings.relief(setting, policy, of=measure)
-    return f"{np.mean(series):.3g}" + ("" if relief is None else f"\n{np.mean(relief):.2f}")
 
 
 def _gaps(name: str, results: Sequence[Result]) -> Iterator[str]:

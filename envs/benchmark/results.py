@@ -8,7 +8,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError, WrapValidator
+from typing_extensions import TypedDict
 
 from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
@@ -24,12 +25,25 @@ from .suite import Suite, Trial
 
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
+# The same in memory, where null is infinite.
+Kept = Annotated[Size, WrapValidator(lambda one, check: math.inf if one is None else check(one))]
 Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(one_line)]
 LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
 DIGITS = 6  # significant digits of efforts and errors
 SMALLEST = 12  # number of decimals; smaller errors are rounding
+
+
+class Extra(TypedDict, total=False):
+    """What the score of an extra keeps; see `Result`."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")  # type: ignore[misc]
+
+    costs: dict[Name, dict[Name, list[Size | None]]]
+    facts: dict[Name, Size | dict[Name, Size]]
+    packages: dict[Name, Name]
+    reason: str | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,19 +68,21 @@ class Result:
             none.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
     task: str
     level: str
-    believed: str
-    policy: str
+    believed: Name
+    policy: Name
     options: dict[str, Any]
-    effort: tuple[float, ...]
-    assisted_effort: tuple[float, ...]
-    tracking: tuple[float, ...]
+    effort: Annotated[tuple[Kept, ...], Field(min_length=1)]
+    assisted_effort: tuple[Kept, ...]
+    tracking: tuple[Kept, ...]
     success: tuple[bool, ...]
     failed: str | None
     protocol: dict[str, Any]
     why: tuple[Frequent, ...] = ()
-    extra: dict[str, dict[str, Any]] = field(default_factory=dict)
+    extra: dict[Name, Extra] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
@@ -85,7 +101,7 @@ class Result:
             InputError: The text is no such result; the message begins with `name`.
         """
         try:
-            found = _Saved.model_validate(parse_json(text, name, fix="delete it"))
+            found = _RESULT.validate_python(parse_json(text, name, fix="delete it"))
         except ValidationError as error:
             problem: Any = error.errors()[0]
             place = ".".join(map(str, problem["loc"])) or "the whole"
@@ -93,57 +109,25 @@ class Result:
             raise InputError(
                 f"{name} is no result of the benchmark ({reason}): delete it"
             ) from None
-        values = dict(found)
-        for series in SIZES:
-            values[series] = tuple(math.inf if one is None else one for one in values[series])
         for what, known in (("task", TASKS), ("level", LEVELS)):
-            if values[what] not in known:
-                raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
-        if len({len(values[series]) for series in SERIES}) > 1:
+            if getattr(found, what) not in known:
+                raise InputError(f"{name} has the {what} {shown(getattr(found, what))}: delete it")
+        if len({len(getattr(found, series)) for series in SERIES}) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
-        said, motions = values["protocol"].get("episodes"), len(values["effort"])
+        said, motions = found.protocol.get("episodes"), len(found.effort)
         if said not in (None, motions):
             raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
         for score, kept in found.extra.items():
-            for cost, series in kept.costs.items():
+            for cost, series in kept.get("costs", {}).items():
                 if STANDARD not in series or any(len(one) != motions for one in series.values()):
                     raise InputError(
                         f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
                         "every other convention: delete it"
                     )
-        values["extra"] = {n: one.model_dump(exclude_unset=True) for n, one in found.extra.items()}
-        return cls(**values)
+        return found
 
 
-class _SavedScore(BaseModel):
-    """The score of an extra in the line of a result."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    costs: dict[Name, dict[Name, list[Size | None]]] = {}
-    facts: dict[Name, Size | dict[Name, Size]] = {}
-    packages: dict[Name, Name] = {}
-    reason: str | None = None
-
-
-class _Saved(BaseModel):
-    """The line of a result."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    task: str
-    level: str
-    believed: Name
-    policy: Name
-    options: dict[str, Any]
-    effort: Annotated[tuple[Size | None, ...], Field(min_length=1)]
-    assisted_effort: tuple[Size | None, ...]
-    tracking: tuple[Size | None, ...]
-    success: tuple[bool, ...]
-    failed: str | None
-    protocol: dict[str, Any]
-    why: tuple[Frequent, ...] = ()  # results of before have none
-    extra: dict[Name, _SavedScore] = {}
+_RESULT = TypeAdapter(Result)
 
 
 def lines(results: Iterable[Result]) -> str:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -119,12 +119,7 @@ class Standings:
         return None
 
     def relief(
-        self,
-        setting: Setting,
-        policy: str,
-        motions: int | None = None,
-        *,
-        of: Measure = EFFORT,
+        self, setting: Setting, policy: str, motions: int | None = None, *, of: Measure = EFFORT
     ) -> Array | None:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
@@ -152,6 +147,12 @@ class Standings:
         worst = min(means, key=lambda s: means[s]) if means else None
         pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
         gains = [np.subtract(*pair) for pair in pairs if pair is not None]
+        compared = None
+        if gains:
+            gain = np.concatenate(gains)
+            shares = (gain > MARGIN, np.abs(gain) <= MARGIN, gain < -MARGIN)
+            better, alike, worse = (float(np.mean(share)) for share in shares)
+            compared = better, alike, worse
         return Standing(
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
@@ -161,7 +162,7 @@ class Standings:
             mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
             worst=None if worst is None else (means[worst], worst),
             gain=over_motions(gains),
-            compared=_compared(np.concatenate(gains)) if gains else None,
+            compared=compared,
             failed=sum(one.failed is not None for one in mine),
         )
 
@@ -221,14 +222,20 @@ class Standings:
         bound = self._found[setting].get(BOUND)
         if bound is None:
             return
-        best = _motions(bound)
-        for place, results in self._found.items():
-            rivals = results.items() if where(place) == setting else ()
-            for motions in [_motions(one) for name, one in rivals if name not in FIXED]:
-                for i, motion in enumerate(motions[: len(best)]):
-                    if motion["success"] and motion["effort"] < best[i]["effort"]:
-                        best[i] = motion
-        series = {name: tuple(motion[name] for motion in best) for name in best[0]}
+        rivals = [
+            one
+            for place, results in self._found.items()
+            for name, one in results.items()
+            if where(place) == setting and name not in FIXED
+        ]
+        best = [bound] * len(bound.effort)
+        for rival in rivals:
+            for i in range(min(len(best), len(rival.effort))):
+                if rival.success[i] and rival.effort[i] < best[i].effort[i]:
+                    best[i] = rival
+        series = {
+            name: tuple(getattr(one, name)[i] for i, one in enumerate(best)) for name in SERIES
+        }
         self._found[setting][BOUND] = replace(bound, **series)
 
     def _paired(self, setting: Setting, one: str, other: str) -> tuple[Array, Array] | None:
@@ -237,18 +244,6 @@ class Standings:
         motions = min((len(each.effort) for each in results if each is not None), default=0)
         mine, theirs = (self.relief(setting, name, motions) for name in (one, other))
         return None if mine is None or theirs is None else (mine, theirs)
-
-
-def _motions(result: Result) -> list[dict[str, Any]]:
-    """Returns all series of a result, motion by motion."""
-    columns = [getattr(result, name) for name in SERIES]
-    return [dict(zip(SERIES, values, strict=True)) for values in zip(*columns, strict=True)]
-
-
-def _compared(gains: Array) -> tuple[float, float, float]:
-    """Returns the shares of gains beyond the margin, within it, and of losses beyond it."""
-    better, worse = float(np.mean(gains > MARGIN)), float(np.mean(gains < -MARGIN))
-    return better, float(np.mean(np.abs(gains) <= MARGIN)), worse
 
 
 def over_motions(values: Sequence[Array]) -> Interval | None:

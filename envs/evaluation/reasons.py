@@ -85,7 +85,12 @@ def reasons(measured: Array, costs: Array, task: Task, *, lost: bool) -> tuple[R
         part = _part(limit.name, measured, costs, at)
         time = float(measured[at, COLUMNS["time"].start])
         value = float(course[-1])
-        swing = _oscillation(measured, part) if limit.name == "worst_joint" else None
+        swing = None
+        if limit.name == "worst_joint" and part is not None and len(measured) > 1:
+            seen = (measured[:, COLUMNS[name]] for name in ("time", "angle", "target_angle"))
+            times, angle, intended = seen
+            error = (angle - intended)[:, JOINTS.index(part)]
+            swing = oscillation(error, intended, float(times[1, 0] - times[0, 0]))
         found.append(Reason(limit.name, value, limit.value, limit.unit, time, part, swing))
     return tuple(found)
 
@@ -118,17 +123,6 @@ def _part(cost: str, measured: Array, costs: Array, at: int) -> str | None:
         force = np.linalg.norm(column("cuff_force")[at].reshape(3, 3), axis=1)
         return tuple(CUFFS)[int(np.argmax(force / LIMITS))]
     return None
-
-
-def _oscillation(measured: Array, joint: str | None) -> Oscillation | None:
-    """Returns the oscillation of a joint about its intended angle."""
-    time, angle, intended = (
-        measured[:, COLUMNS[name]] for name in ("time", "angle", "target_angle")
-    )
-    if joint is None or len(time) < 2:
-        return None
-    error = (angle - intended)[:, JOINTS.index(joint)]
-    return oscillation(error, intended, float(time[1, 0] - time[0, 0]))
 
 
 @dataclass(frozen=True)
@@ -167,23 +161,18 @@ def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
         by_name.setdefault(one.name, []).append(one)
     found = []
     for name, same in by_name.items():
-        parts = [one.part for one in same]
         value, time = (
             float(np.median([getattr(r, of) for r in same])) for of in ("value", "time_s")
         )
-        part = max(parts, key=parts.count)
-        swing = _most(same)
-        limit, unit = same[0].limit, same[0].unit
-        found.append(Frequent(name, len(same), value, limit, unit, time, part, swing))
+        parts = [one.part for one in same]
+        swings = [one.oscillation for one in same if one.oscillation is not None]
+        swing = None
+        if 2 * len(swings) > len(same):
+            pairs = [(one.period_s, one.amplitude) for one in swings]
+            swing = Oscillation(*map(float, np.median(pairs, axis=0)))
+        common = (same[0].limit, same[0].unit, time, max(parts, key=parts.count), swing)
+        found.append(Frequent(name, len(same), value, *common))
     return tuple(sorted(found, key=lambda one: -one.motions))
-
-
-def _most(same: Sequence[Reason]) -> Oscillation | None:
-    found = [one.oscillation for one in same if one.oscillation is not None]
-    if 2 * len(found) <= len(same):
-        return None
-    periods, amplitudes = zip(*((one.period_s, one.amplitude) for one in found), strict=True)
-    return Oscillation(float(np.median(periods)), float(np.median(amplitudes)))
 
 
 def oscillation(error: Array, intended: Array, dt: float) -> Oscillation | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import count
 from typing import Any
 
 from ...assets import AnySuit, Suit, load_suit
@@ -123,8 +124,7 @@ class SuitValidation:
     @property
     def _first(self) -> dict[str, Trace]:
         """The first motion of each policy in the first plant."""
-        traces = next(iter(self.evaluations.values())).traces
-        return {name: one[0] for name, one in traces.items()}
+        return next(iter(self.evaluations.values())).first()
 
 
 def validate(
@@ -174,40 +174,21 @@ def validate(
         believed_joints(env_id, believed, policy, suit=suit, **options)
     if samples:
         options["randomize"] = {**options.get("randomize", {}), "suit": "samples"}
-    total, done = (len(believed) + OTHERS) * len(true) * motions, 0
+    total, done = (len(believed) + OTHERS) * len(true) * motions, count()
 
-    def step(name: str, traces: list[Trace]) -> None:
-        nonlocal done
-        del name
-        done += len(traces)
+    def step(_: str, traces: list[Trace]) -> None:
         if on_step:
-            on_step(done, total)
+            on_step((next(done) + 1) * len(traces), total)
 
     cells, evaluations, labels = {}, {}, names_of(believed)
+    same = {"policy": policy, "motions": motions, "seed": seed}
+    named = {labels[one]: suit for one, suit in believed.items()}
     for name, suit in true.items():
-        evaluations[name], found = compare_beliefs(
-            env_id,
-            {labels[one]: suit for one, suit in believed.items()},
-            policy=policy,
-            motions=motions,
-            seed=seed,
-            on_policy=step,
-            threads=0,
-            suit=suit,
-            **options,
-        )
+        more = {"on_policy": step, "threads": 0, "suit": suit, **options}
+        evaluations[name], found = compare_beliefs(env_id, named, **same, **more)
         cells |= {(one, name): found[labels[one]] for one in believed}
-    return SuitValidation(
-        env_id=env_id,
-        policy=policy,
-        motions=motions,
-        seed=seed,
-        options=options,
-        believed=believed,
-        plants=true,
-        cells=cells,
-        evaluations=evaluations,
-    )
+    kept = {"cells": cells, "evaluations": evaluations, "believed": believed, "plants": true}
+    return SuitValidation(env_id=env_id, options=options, **same, **kept)
 
 
 def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[str, AnySuit]:

@@ -124,11 +124,7 @@ class Validation:
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values, the verdict first."""
         nrmse = self.torque.nrmse
-        return {
-            "verdict": self.verdict,
-            "nrmse": nrmse and nrmse.to_dict(),
-            **asdict(self),
-        }
+        return {"verdict": self.verdict, "nrmse": nrmse and nrmse.to_dict(), **asdict(self)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +185,7 @@ def compare_beliefs(
     at_least("motions", motions, FEWEST_MOTIONS)
     joints = believed_joints(env_id, believed, policy, **env_options)
     policies: dict[str, Any] = {TRUE: policy, BOUND: BOUND}
-    policies |= {_named(name): with_belief(policy, suit) for name, suit in believed.items()}
+    policies |= {f"by {name}": with_belief(policy, suit) for name, suit in believed.items()}
     options = {"motions": motions, "seed": seed, "on_policy": on_policy, **env_options}
     found = evaluate(env_id, policies, **options)
     as_is = all(env_options.get(other, usual) == usual for other, usual in AS_IS.items())
@@ -202,7 +198,7 @@ def compare_beliefs(
             share_of_true=found.share_of_bound(one, TRUE),
             share_of_bound=found.share_of_bound(one, BOUND),
         )
-        for name, one in ((name, _named(name)) for name in believed)
+        for name, one in ((name, f"by {name}") for name in believed)
     }
 
 
@@ -252,16 +248,23 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
         InputError: There are fewer than 8 motions.
         PoleError: A motion meets the pole of an uncertified model.
     """
-    angles = {name: [one.angle[:, JOINTS.index(name)] for one in traces] for name in believed}
-    true = {name: [-one.suit_torque[:, JOINTS.index(name)] for one in traces] for name in believed}
-    judged = [name for name in believed if _largest(true[name]) >= LEAST_TORQUE]
-    times = [one.time for one in traces]
+
+    def along(name: str, motions: Callable[[Trace], Array]) -> list[Array]:
+        return [motions(one)[:, JOINTS.index(name)] for one in traces]
+
+    angles = {name: along(name, lambda one: one.angle) for name in believed}
+    true = {name: along(name, lambda one: -one.suit_torque) for name in believed}
+    judged = {
+        name: joint
+        for name, joint in believed.items()
+        if max(float(np.abs(one).max()) for one in true[name]) >= LEAST_TORQUE
+    }
     expected = {
         name: [
-            believed[name].response(angle, time=time)
-            for angle, time in zip(angles[name], times, strict=True)
+            joint.response(angle, time=one.time)
+            for angle, one in zip(angles[name], traces, strict=True)
         ]
-        for name in judged
+        for name, joint in judged.items()
     }
     dt = float(traces[0].time[0])
 
@@ -272,11 +275,12 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
         )
         return torque_error(one, other, dt)
 
+    whole = {name: np.concatenate(angles[name]) for name in judged}
     return TorqueErrors(
         joints={name: error([name]) for name in judged},
-        together=error(judged) if judged else None,
-        covered={name: _span(angles[name]) for name in judged},
-        noise={name: noise_of(believed[name]) for name in judged},
+        together=error([*judged]) if judged else None,
+        covered={name: (float(one.min()), float(one.max())) for name, one in whole.items()},
+        noise={name: noise_of(joint) for name, joint in judged.items()},
     )
 
 
@@ -339,16 +343,9 @@ def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) ->
         error, largest = joint.response(angle) - torque, np.abs(torque).max()
         if largest == 0:
             raise InputError(f"curve {name!r} has no torque: leave it out")
-        rms = float(np.sqrt(np.mean(error**2)))
-        found.append(
-            CurveError(
-                curve=name,
-                rms=rms,
-                peak=float(np.abs(error).max()),
-                bias=float(error.mean()),
-                nrmse=rms / float(largest),
-            )
-        )
+        rms, peak = float(np.sqrt(np.mean(error**2))), float(np.abs(error).max())
+        sizes = {"rms": rms, "peak": peak, "bias": float(error.mean())}
+        found.append(CurveError(curve=name, **sizes, nrmse=rms / float(largest)))
     return found
 
 
@@ -363,18 +360,6 @@ def noise_of(joint: SuitJoint) -> float | None:
     low, high = joint.range
     loop = np.concatenate([np.linspace(low, high, 100), np.linspace(high, low, 100)])
     return joint.fit_nrmse * float(np.abs(joint.response(loop)).max())
-
-
-def _named(suit: str) -> str:
-    return f"by {suit}"
-
-
-def _largest(series: Sequence[Array]) -> float:
-    return max(float(np.abs(one).max()) for one in series)
-
-
-def _span(series: Sequence[Array]) -> tuple[float, float]:
-    return min(float(one.min()) for one in series), max(float(one.max()) for one in series)
 
 
 def _root_interval(squares: Sequence[float]) -> Interval:

@@ -13,14 +13,7 @@ from ...plots import Panel, Plot
 from ...tables import Rows
 from .compare import Evaluation
 from .statistics import Interval, interval_text, mean_interval
-from .validation import (
-    LIMITS,
-    NOT_VALID,
-    TRUE,
-    CurveError,
-    TorqueError,
-    Validation,
-)
+from .validation import LIMITS, NOT_VALID, TRUE, CurveError, TorqueError, Validation
 
 Cells = Mapping[tuple[str, str], Validation]  # keys are believed and true suit
 

@@ -27,11 +27,10 @@ from ..extras import STANDARD
 from ..person import Person, isometric_strength, passive_torque, strength_limits
 from ..simulation.inverse_dynamics import Chain
 from ..simulation.simulation import Simulation
-from .constraint import constraint_torques
-from .mapping import AXES, OWN, THIRD
+from .mapping import AXES, OWN, THIRD, constraint_torques
 from .metabolic import MODELS, muscle_masses
 from .myoarm import Geometry, MyoArm
-from .sharing import Cost, share
+from .sharing import Cost, shared
 
 SOFTNESS = 0.01  # [N²·m²], see `Cost`
 LINEAR = 0.05  # coefficient of a² beside that of a times volume, and of a² beside that of a³
@@ -192,14 +191,10 @@ def share_among_muscles(
         against = antagonists(geometry.arms[:, OWN], demand.torque[:, OWN])
         arms = np.concatenate([arms, against], axis=1)
         wanted = np.concatenate([wanted, demand.contraction / demand.scale], axis=1)
-    samples, rows, muscles = arms.shape
-    activation, reserve = np.empty((samples, muscles)), np.empty((samples, rows))
-    share(
-        *(arms, geometry.full, wanted, equal, np.full((samples, muscles), convention.least)),
-        np.full(muscles, np.nan) if before is None else before,
-        *(demand.dt, _cost(convention.cost, arm), activation, reserve),
-        np.empty(samples),
-    )
+    least = np.full_like(geometry.full, convention.least)
+    known = np.full(least.shape[1], np.nan) if before is None else before
+    flat = (arms, geometry.full, wanted, equal, least, known, demand.dt)
+    activation, reserve = shared(*flat, _cost(convention.cost, arm))
     power = MODELS[convention.metabolic](arm, geometry, activation)
     return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal])
 
@@ -217,13 +212,10 @@ def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
 
 def _cost(name: str, arm: MyoArm) -> Cost:
     """Returns what is least; beside cube or volume a small square makes the answer unique."""
-    flat = np.zeros(len(arm.muscles))
-    if name == "cubes":
-        return Cost(flat, LINEAR, 1.0, SOFTNESS)
-    if name == "volume":
-        mass = muscle_masses(arm)
-        return Cost(mass / mass.mean(), LINEAR, 0.0, SOFTNESS)
-    return Cost(flat, 1.0, 0.0, SOFTNESS)
+    mass = muscle_masses(arm)
+    linear = mass / mass.mean() if name == "volume" else np.zeros_like(mass)
+    square, cubic = (1.0, 0.0) if name == "squares" else (LINEAR, float(name == "cubes"))
+    return Cost(linear, square, cubic, SOFTNESS)
 
 
 def antagonists(arms: Array, torque: Array) -> Array:
