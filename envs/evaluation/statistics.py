@@ -315,12 +315,8 @@ def _jackknifed(statistic: Statistic, samples: list[Array]) -> tuple[Array, Arra
     count = samples[0].shape[-1]
     sums = [sample.sum(axis=-1) for sample in samples]
     values = statistic(*(total / count for total in sums))
-    without = statistic(
-        *(
-            (total[:, None] - sample) / (count - 1)
-            for total, sample in zip(sums, samples, strict=True)
-        )
-    )
+    left = zip(sums, samples, strict=True)
+    without = statistic(*((total[:, None] - sample) / (count - 1) for total, sample in left))
     if np.shape(values) != sums[0].shape or np.shape(without) != samples[0].shape:
         raise InputError(
             f"the statistic returns shape {np.shape(without)} for means of shape "

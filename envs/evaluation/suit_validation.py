@@ -4,7 +4,7 @@ Tables, sentences and figures of what believed suits are worth, and of what suit
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path
 from typing import Any
@@ -29,24 +29,16 @@ from .sentences import cuff_remarks, why_remarks
 from .statistics import FEWEST_MOTIONS, Interval, interval_text, mean_interval
 from .validation import (
     LIMITS,
-    NOT_VALID,
+    RULE,
     TRUE,
-    CurveError,
     TorqueError,
     Validation,
     believed_joints,
     compare_beliefs,
-    verdict,
 )
 
 Cells = Mapping[tuple[str, str], Validation]  # keys are believed and true suit
 
-RULE = (
-    "The verdict is by the root mean square of the torque error over the largest true torque, of "
-    "the joint where the upper end of the 95 % interval is highest: "
-    + ", ".join(f"{name} up to {limit:.0%}" for name, limit in LIMITS.items())
-    + f", {NOT_VALID} beyond; and it holds for these angles only."
-)
 LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
 LESS = "less than"
 NOTHING, SAME = "nothing to judge", "the same suit"
@@ -242,52 +234,6 @@ def _lacking(believed: str, suit: Suit, true: str, plant: Suit) -> Iterator[str]
             yield f"{joint}: nothing to assist, because {true} has no such joint"
         elif joint not in suit.joints:
             yield f"{joint}: not assisted, because {believed} has no such joint"
-
-
-@dataclass(frozen=True, kw_only=True)
-class CurvePrediction:
-    """What suits predict of measured curves.
-
-    Attributes:
-        errors: Errors of each curve, by suit and joint.
-        notes: Curves that test nothing, as sentences.
-    """
-
-    errors: Mapping[str, Mapping[str, list[CurveError]]]
-    notes: Sequence[str] = ()
-
-    @property
-    def _curves(self) -> dict[tuple[str, str], list[CurveError]]:
-        """The errors by suit and joint."""
-        return {(suit, joint): one for suit, of in self.errors.items() for joint, one in of.items()}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns everything as plain values."""
-        found: dict[str, dict[str, Any]] = {suit: {} for suit in self.errors}
-        for (suit, joint), errors in self._curves.items():
-            curves = [asdict(one) for one in errors]
-            found[suit][joint] = {"verdict": _worst(errors), "curves": curves}
-        return {"limits": LIMITS, "suits": found}
-
-    def tables(self) -> dict[str, Rows]:
-        """Returns the errors of all curves, by title."""
-        header = ["suit", "joint", "curve", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]"]
-        rows = []
-        for names, errors in self._curves.items():
-            for one in errors:
-                sizes = (f"{value:z.2f}" for value in (one.rms, one.peak, one.bias))
-                rows.append([*names, one.curve, *sizes, f"{100 * one.nrmse:.1f}"])
-        return {"Torque, predicted less measured": ([*header, "RMS of the\npeak [%]"], rows)}
-
-    def sentences(self) -> list[str]:
-        """Returns the verdict on each joint of each suit."""
-        found = self._curves.items()
-        verdicts = [f"{suit}, {joint}: {_worst(errors)}" for (suit, joint), errors in found]
-        return [*self.notes, *verdicts, f"{RULE} Of curves, the worst one decides."]
-
-
-def _worst(errors: Sequence[CurveError]) -> str:
-    return verdict(max(error.nrmse for error in errors))
 
 
 def torque_table(found: Validation) -> Rows:

@@ -14,6 +14,7 @@ from ...arrays import Array
 from ...assets import JOINTS, AnySuit, SuitJoint
 from ...checks import at_least
 from ...errors import InputError
+from ...tables import Rows
 from ..belief import Belief
 from ..levels import NOMINAL
 from ..making import make_arms
@@ -34,6 +35,12 @@ one that is 30 % wrong. The straight spring through the middle of a loop has 0.2
 without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
+RULE = (
+    "The verdict is by the root mean square of the torque error over the largest true torque, of "
+    "the joint where the upper end of the 95 % interval is highest: "
+    + ", ".join(f"{name} up to {limit:.0%}" for name, limit in LIMITS.items())
+    + f", {NOT_VALID} beyond; and it holds for these angles only."
+)
 # Options with which the simulated suit is the one that is named.
 AS_IS = {"pressure": None, "preconditioned": False, "level": NOMINAL}
 TRUE, BOUND = "true model", "best-known-plan"
@@ -373,3 +380,49 @@ def _correlation(rows: Array, one: Array) -> Array:
     rows, one = rows - rows.mean(axis=1, keepdims=True), one - one.mean()
     size = np.linalg.norm(rows, axis=1) * np.linalg.norm(one)
     return np.divide(rows @ one, size, out=np.zeros_like(size), where=size > 0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvePrediction:
+    """What suits predict of measured curves.
+
+    Attributes:
+        errors: Errors of each curve, by suit and joint.
+        notes: Curves that test nothing, as sentences.
+    """
+
+    errors: Mapping[str, Mapping[str, list[CurveError]]]
+    notes: Sequence[str] = ()
+
+    @property
+    def _curves(self) -> dict[tuple[str, str], list[CurveError]]:
+        """The errors by suit and joint."""
+        return {(suit, joint): one for suit, of in self.errors.items() for joint, one in of.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns everything as plain values."""
+        found: dict[str, dict[str, Any]] = {suit: {} for suit in self.errors}
+        for (suit, joint), errors in self._curves.items():
+            curves = [asdict(one) for one in errors]
+            found[suit][joint] = {"verdict": _worst(errors), "curves": curves}
+        return {"limits": LIMITS, "suits": found}
+
+    def tables(self) -> dict[str, Rows]:
+        """Returns the errors of all curves, by title."""
+        header = ["suit", "joint", "curve", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]"]
+        rows = []
+        for names, errors in self._curves.items():
+            for one in errors:
+                sizes = (f"{value:z.2f}" for value in (one.rms, one.peak, one.bias))
+                rows.append([*names, one.curve, *sizes, f"{100 * one.nrmse:.1f}"])
+        return {"Torque, predicted less measured": ([*header, "RMS of the\npeak [%]"], rows)}
+
+    def sentences(self) -> list[str]:
+        """Returns the verdict on each joint of each suit."""
+        found = self._curves.items()
+        verdicts = [f"{suit}, {joint}: {_worst(errors)}" for (suit, joint), errors in found]
+        return [*self.notes, *verdicts, f"{RULE} Of curves, the worst one decides."]
+
+
+def _worst(errors: Sequence[CurveError]) -> str:
+    return verdict(max(error.nrmse for error in errors))

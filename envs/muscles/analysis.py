@@ -151,7 +151,17 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
         raise InputError(
             f"a motion has {len(trace.time)} samples: muscles need 3 or more, for accelerations"
         )
-    scale = strength_scale(trace)
+    low, high = strength_limits(_average(), trace.angle, np.zeros_like(trace.angle))
+    ratio = trace.strength / np.stack([-low, high], axis=1)
+    if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():
+        raise InputError(
+            f"the strength of this wearer is from {ratio.min():.2f} to {ratio.max():.2f} of the "
+            "average man's, joint by joint and over time, and MyoArm is scaled by one factor: "
+            "leave fatigue out"
+        )
+    scale = float(ratio.mean())
+    pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)
+    beyond = trace.effort[:, None] * trace.strength - np.maximum(pull, 0)  # the net torque
     dt = float(trace.time[1] - trace.time[0])
     acceleration = np.gradient(trace.rate, dt, axis=0)
     torque, _ = constraint_torques(trace.dressed, trace.angle, trace.rate, acceleration)
@@ -160,7 +170,7 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
         scale=scale,
         torque=torque,
         elastic=passive_torque(scale * _average(), trace.angle, np.zeros_like(trace.rate)),
-        contraction=_contraction(trace),
+        contraction=np.maximum(beyond.min(axis=1), 0),
         geometry=arm.geometry(trace.angle, trace.rate, threads=threads),
         dt=dt,
     )
@@ -228,25 +238,5 @@ def antagonists(arms: Array, torque: Array) -> Array:
     return np.maximum(np.where(torque[..., None] < 0, arms, -arms), 0)
 
 
-def strength_scale(trace: Trace | Moments) -> float:
-    """Returns the wearer's strength over that of the average man."""
-    low, high = strength_limits(_average(), trace.angle, np.zeros_like(trace.angle))
-    ratio = trace.strength / np.stack([-low, high], axis=1)
-    if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():
-        raise InputError(
-            f"the strength of this wearer is from {ratio.min():.2f} to {ratio.max():.2f} of the "
-            "average man's, joint by joint and over time, and MyoArm is scaled by one factor: "
-            "leave fatigue out"
-        )
-    return float(ratio.mean())
-
-
 def _average() -> Array:
     return isometric_strength(Person.percentile("male", 50))
-
-
-def _contraction(trace: Trace | Moments) -> Array:
-    """Returns the co-contraction of each joint [N·m]: what effort has beyond the net torque."""
-    pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)
-    beyond = trace.effort[:, None] * trace.strength - np.maximum(pull, 0)
-    return np.maximum(beyond.min(axis=1), 0)

@@ -131,9 +131,11 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def stiffness(self) -> float:
         """Returns the stiffness of the muscles at their present activation [N·m/rad]."""
-        h, angle = 1e-4, float(self.data.qpos[0])
-        low, high = (self._torque(angle + step) for step in (-h, h))
-        return (low - high) / (2 * h)
+        step, torques = 1e-4, []
+        for angle in (self.data.qpos[0] - step, self.data.qpos[0] + step):
+            arms, full, slack = self._arms(float(angle))
+            torques.append(float(arms @ (full * self.data.act + slack)))
+        return (torques[0] - torques[1]) / (2 * step)
 
     @property
     def inertia(self) -> float:
@@ -141,11 +143,6 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         found = np.zeros((1, 1))
         mujoco.mj_fullM(self.model, self.data, found)
         return float(found[0, 0])
-
-    def _torque(self, angle: float) -> float:
-        """Returns the muscles' torque at rest, at an angle and at the present activation [N·m]."""
-        arms, full, slack = self._arms(angle)
-        return float(arms @ (full * self.data.act + slack))
 
     def _arms(self, angle: float, *, moving: bool = False) -> tuple[Array, Array, Array]:
         """Returns moment arms [m], force at full activation and passive force [N]."""
