@@ -6,10 +6,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError, WrapValidator
-from typing_extensions import TypedDict
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    WrapValidator,
+)
 
 from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
@@ -35,15 +42,21 @@ DIGITS = 6  # significant digits of efforts and errors
 SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
-class Extra(TypedDict, total=False):
+class _Extra(BaseModel):
     """What the score of an extra keeps; see `Result`."""
 
-    __pydantic_config__ = ConfigDict(extra="forbid")  # type: ignore[misc]
+    model_config = ConfigDict(extra="forbid")
 
-    costs: dict[Name, dict[Name, list[Size | None]]]
-    facts: dict[Name, Size | dict[Name, Size]]
-    packages: dict[Name, Name]
-    reason: str | None
+    costs: dict[Name, dict[Name, list[Size | None]]] = {}
+    facts: dict[Name, Size | dict[Name, Size]] = {}
+    packages: dict[Name, Name] = {}
+    reason: str | None = None
+
+
+if TYPE_CHECKING:
+    Extra = dict[str, Any]
+else:  # a file is checked as the model, and what is kept are plain values
+    Extra = Annotated[_Extra, AfterValidator(lambda one: one.model_dump(exclude_unset=True))]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -49,7 +49,10 @@ def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
         failed = one.success.count(False)
         if failed:
             of = f" in {failed} of {len(one.success)} motions" if len(one.success) > 1 else ""
-            parts = [exceeded(why) + _count(why, failed) for why in most_frequent(one.why)]
+            parts = [
+                exceeded(why) + (f" ({motions_text(why.motions)})" if why.motions < failed else "")
+                for why in most_frequent(one.why)
+            ]
             yield f"{one.policy} failed{of}: {'; '.join([*parts, *_hot(one)])}"
             kept = _kept_unassisted(one, suited) if suited else []
             if kept and one.policy not in REFERENCES:
@@ -70,10 +73,6 @@ def _kept_unassisted(score: Score, suited: Score) -> list[str]:
     return [words for name, words in _UNASSISTED.items() if not any(exceeded.get(name, [True]))]
 
 
-def _count(why: Frequent, failed: int) -> str:
-    return f" ({motions_text(why.motions)})" if why.motions < failed else ""
-
-
 def motions_text(count: int) -> str:
     """Returns a number of motions in words."""
     return "1 motion" if count == 1 else f"{count} motions"
@@ -86,16 +85,11 @@ def exceeded(why: Frequent) -> str:
         return f"arm lost at {why.time_s:.1f} s ({part})"
     words, factor, unit = _WORDS[why.name]
     size = f"{_number(factor * why.value)} {unit} of {_number(factor * why.limit)}"
-    return f"{words.format(part=part)} {size} from {why.time_s:.1f} s{_swing(why)}"
-
-
-def _swing(why: Frequent) -> str:
-    """Returns period and amplitude of an oscillation; nothing where there is none."""
+    said = f"{words.format(part=part)} {size} from {why.time_s:.1f} s"
     if why.oscillation is None:
-        return ""
-    _, factor, unit = _WORDS[why.name]
+        return said
     period, amplitude = why.oscillation.period_s, _number(factor * why.oscillation.amplitude)
-    return f", oscillates with a period of {period:.2g} s, amplitude {amplitude} {unit}"
+    return f"{said}, oscillates with a period of {period:.2g} s, amplitude {amplitude} {unit}"
 
 
 def _number(value: float) -> str:
