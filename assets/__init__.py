@@ -3,9 +3,8 @@
 from pathlib import Path
 
 from ..errors import unknown_name
-from .suit_files import AnySuit, load_suit, save_suit, suit_names
 from .suit_joints import JOINTS, Softening, SuitJoint
-from .suits import Suit
+from .suits import AnySuit, Suit, load_suit, save_suit, suit_names
 
 FOLDER = Path(__file__).parent
 SCENE = FOLDER / "mjcf" / "scene.xml"

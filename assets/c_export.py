@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import __version__
-from ..hysteresis import Certificate, HysteresisModel, Viscoelastic
+from ..hysteresis import HysteresisModel, Viscoelastic
 from ..hysteresis.c_code import BYTES, Header, comment, parameters, stepped
 from ..hysteresis.safety import require_certificate
 from .suit_joints import SuitJoint
@@ -76,12 +76,9 @@ def suit_header(
         parts.append(Part(name, kind_of(joint.model), state, header.constants - before))
     first = next(iter(joints))
     dt = ", dt" if isinstance(joints[first].model, Viscoelastic) else ""
+    calls = ("state state", "init(&state)", f"step(&state, angle{dt})")
     usage = "\n".join(
-        (
-            f"  {prefix}_{first}_state state;",
-            f"  {prefix}_{first}_init(&state);",
-            f"  torque = {prefix}_{first}_step(&state, angle{dt});",
-        )
+        f"  {'torque = ' * ('step' in call)}{prefix}_{first}_{call};" for call in calls
     )
     return header.text([*about, INTRODUCTION, STEP, "", usage]), parts
 
@@ -99,14 +96,15 @@ def joint_comment(name: str, joint: SuitJoint) -> list[str]:
     begins = f"{joint.start_torque:g} N m at {joint.start_angle:g} rad"
     return [
         f"{name}: {joint.grade}, for {low:g} to {high:g} rad. {joint.source}",
-        _guarantees(joint.model.certificate(), joint.model.certificate(joint.range)),
+        _guarantees(joint),
         f"It begins with {begins}" + (f", and then goes to {path} rad." if path else "."),
         "",
         "\n".join(parameters(joint.model)),
     ]
 
 
-def _guarantees(certificate: Certificate, in_range: Certificate) -> str:
+def _guarantees(joint: SuitJoint) -> str:
+    certificate, in_range = joint.model.certificate(), joint.model.certificate(joint.range)
     if not certificate.certified:
         return (
             f"NOT CERTIFIED (margin {certificate.margin:.3g}): in some motion the torque would "

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,16 +21,9 @@ from pydantic import (
 from ..arrays import Array
 from ..checks import number
 from ..errors import LONGEST_VALUE, InputError, shortened, shown
-from ..hysteresis import (
-    HysteresisModel,
-    State,
-    SteadyCycle,
-    model_from_dict,
-    steady_cycle,
-)
+from ..hysteresis import HysteresisModel, State, SteadyCycle, model_from_dict, steady_cycle
 from ..hysteresis.around import Backlash, Viscoelastic, sprung, without_rate
 from ..hysteresis.protocol import finite_series, follow
-from .fits import FittedModel
 
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
 MOST_SOFTENING = 10.0  # largest ratio of two torques: far beyond any suit
@@ -54,6 +47,34 @@ Model = Annotated[
     BeforeValidator(_model),
     PlainSerializer(lambda model: model.to_dict()),
 ]
+
+
+@runtime_checkable
+class FittedModel(Protocol):
+    """A model that was identified from curves, such as a fit of `activesuit.identification`.
+
+    Attributes:
+        model: The identified model.
+        method: Name of the method that found it.
+        initial_torque: Torque with which all curves begin [N·m]; or "measured", each with its own.
+        nrmse: Error on the fitted curves over their largest torque.
+        curves: The measured `Curves`, also those that were kept out of the fit.
+        softening: How the torque changes over cycles, with `first`, `steady` and `cycles`; None if
+            that was not fitted.
+    """
+
+    @property
+    def model(self) -> HysteresisModel: ...  # noqa: D102
+    @property
+    def method(self) -> str: ...  # noqa: D102
+    @property
+    def initial_torque(self) -> float | str: ...  # noqa: D102
+    @property
+    def nrmse(self) -> float: ...  # noqa: D102
+    @property
+    def curves(self) -> Any: ...  # noqa: D102
+    @property
+    def softening(self) -> Any: ...  # noqa: D102
 
 
 class Strict(BaseModel):
@@ -171,9 +192,7 @@ class SuitJoint(Strict):
         file = f" of {curves.source}" if curves.source else ""
         source = f"{fit.method} fit{file}, curves {', '.join(fitted.names)}."
         change = fit.softening
-        softening = None
-        if change is not None:
-            softening = Softening(first=change.first, steady=change.steady, cycles=change.cycles)
+        terms = {name: getattr(change, name, None) for name in Softening.model_fields}
         return cls.from_model(
             fit.model,
             samples=tuple(samples),
@@ -185,11 +204,11 @@ class SuitJoint(Strict):
             source=f"{source} {note}" if note else source,
             data_sha256=curves.sha256,
             fit_nrmse=fit.nrmse,
-            softening=softening,
+            softening=None if change is None else Softening.model_validate(terms),
         )
 
     @model_validator(mode="after")
-    def _angles_are_radians(self) -> "SuitJoint":
+    def _numbers_are_possible(self) -> "SuitJoint":
         if not self.range[0] < self.range[1]:
             raise ValueError(
                 f"range is {list(self.range)}: the first angle must be the smaller one"
@@ -204,10 +223,6 @@ class SuitJoint(Strict):
                 raise ValueError(
                     f"start_path[{i}] is {angle}: more than a full turn; angles are radians"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _volume_share_is_a_share(self) -> "SuitJoint":
         if self.volume_share is not None and not 0 <= self.volume_share <= 1:
             raise ValueError(
                 f"volume_share is {self.volume_share:g}: give the share of the elastic torque that "
@@ -216,17 +231,13 @@ class SuitJoint(Strict):
         return self
 
     @model_validator(mode="after")
-    def _samples_are_as_safe(self) -> "SuitJoint":
+    def _models_are_possible(self) -> "SuitJoint":
         for i, sample in enumerate(self.samples):
             if _is_safe(self.model) and not _is_safe(sample):
                 raise ValueError(
                     f"samples[{i}] has certificate margin {sample.certificate().margin:.3g}, but "
                     "the model itself is certified: remove that sample"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _play_and_damping_are_possible(self) -> "SuitJoint":
         low, high = self.range
         for model in (self.model, *self.samples):
             if isinstance(model, Viscoelastic) and model.damping > MOST_DAMPING:
@@ -246,10 +257,7 @@ class SuitJoint(Strict):
         return follow(self.model, start, self.start_path)
 
     def response(
-        self,
-        angle: ArrayLike,
-        model: HysteresisModel | None = None,
-        time: ArrayLike | None = None,
+        self, angle: ArrayLike, model: HysteresisModel | None = None, time: ArrayLike | None = None
     ) -> Array:
         """Computes the resistance along angles, which the memory follows from its beginning.
 
@@ -284,12 +292,8 @@ class SuitJoint(Strict):
             InputError: The cycles do not become steady.
             PoleError: The motion meets the pole of an uncertified model.
         """
-        return steady_cycle(
-            model or self.model,
-            self.range,
-            start_angle=self.start_angle,
-            start_torque=self.start_torque,
-        )
+        start = {"start_angle": self.start_angle, "start_torque": self.start_torque}
+        return steady_cycle(model or self.model, self.range, **start)
 
     def preconditioned(self) -> "SuitJoint":
         """Returns the joint whose memory begins in the steady cycle over its range.
@@ -351,11 +355,11 @@ class SuitJoint(Strict):
             raise InputError(f"ratio is {ratio:g}: give a ratio of pressures, 0 or more")
         factor = (ratio - 1) * self.volume_share
         offset, stiffness = self.steady_cycle().spring()
-        line = [factor * offset, factor * stiffness]
+        offset, stiffness = factor * offset, factor * stiffness
         changes = {
-            "model": sprung(self.model, line[0], line[1]),
-            "samples": tuple(sprung(sample, line[0], line[1]) for sample in self.samples),
-            "start_torque": self.start_torque + line[0] + line[1] * self.start_angle,
+            "model": sprung(self.model, offset, stiffness),
+            "samples": tuple(sprung(sample, offset, stiffness) for sample in self.samples),
+            "start_torque": self.start_torque + offset + stiffness * self.start_angle,
             "volume_share": ratio * self.volume_share / (1 + factor) if ratio else 0.0,
             "source": f"{self.source}; then {ratio:.3g} times the pressure, which changes "
             f"{self.volume_share:.3g} of the elastic torque",

@@ -17,9 +17,8 @@ from ..envs.model import ArmConfig, bare_arm
 from ..envs.model.config import NO_SUIT
 from ..envs.muscles import CONVENTIONS, STANDARD, MyoArm, muscle_scores
 from ..envs.muscles.analysis import Convention, Demand, demand_of, share_among_muscles
-from ..envs.muscles.constraint import constraint_torques
 from ..envs.muscles.elbow import MuscleElbow
-from ..envs.muscles.mapping import AXES, OWN
+from ..envs.muscles.mapping import AXES, OWN, constraint_torques
 from ..envs.muscles.metabolic import LEAST_HEAT, MODELS, muscle_masses
 from ..envs.muscles.myoarm import CHEST
 from ..envs.person import Person, VoluntaryControl, isometric_strength, segments, strength_limits

@@ -62,13 +62,14 @@ class Report:
         """Returns the report of a result, which has its tables, sentences, columns and figures.
 
         Args:
-            found: Result with `to_dict`, `tables` and `sentences`, perhaps also `columns`, `plots`.
+            found: Result with `to_dict`, `tables` and `sentences`, perhaps also `columns`,
+                `plots` and `pictures`.
             heading: What the command does.
             about: What it was done with.
             **more: Attributes of the report that are not those of the result.
         """
         parts = {"result": "to_dict", "tables": "tables", "answer": "sentences"}
-        parts |= {name: name for name in ("columns", "plots") if hasattr(found, name)}
+        parts |= {name: name for name in ("columns", "plots", "pictures") if hasattr(found, name)}
         given = {name: getattr(found, of)() for name, of in parts.items() if name not in more}
         return cls(heading=heading, about=about, **given, **more)
 

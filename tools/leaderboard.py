@@ -7,9 +7,8 @@ Further results, of `activesuit benchmark run`, are merged into those that are c
 import sys
 from pathlib import Path
 
-from ..envs.benchmark.report import page, profile_plot
+from ..envs.benchmark import Benchmark
 from ..envs.benchmark.results import lines, read_results
-from ..envs.benchmark.standings import Standings
 from ..files import write_text
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -20,7 +19,7 @@ TITLE = "# Leaderboard"
 
 def leaderboard(results: Path = RESULTS) -> str:
     """Returns the page of a file of results."""
-    return page(Standings(read_results([results])), TITLE, f"figures/{FIGURE.name}", {})
+    return Benchmark(read_results([results])).page(TITLE, f"figures/{FIGURE.name}")
 
 
 def main() -> None:
@@ -30,7 +29,7 @@ def main() -> None:
     found = read_results([*kept, *given])
     write_text(RESULTS, lines(found))
     write_text(PAGE, leaderboard())
-    profile_plot(Standings(found)).figure().savefig(FIGURE, dpi=110)
+    Benchmark(found).plots()["profiles"].figure().savefig(FIGURE, dpi=110)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,13 @@
 """The benchmark of controllers: suites of tasks, levels and suits, their trials and tables."""
 
-from .results import Result, read_results
+from .report import Benchmark
+from .results import Result, read_results, run_trial
 from .suite import BASELINE, SUITES, Setting, Suite, Trial, suite
-from .trial import run_trial
 
 __all__ = [
     "BASELINE",
     "SUITES",
+    "Benchmark",
     "Result",
     "Setting",
     "Suite",

@@ -1,27 +1,46 @@
-"""The benchmark as tables, a page and a figure."""
+"""The benchmark as tables, sentences, a page and a figure."""
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from json import loads
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...errors import shown
+from ...errors import InputError, shown
 from ...plots import Line, Panel, Plot
 from ...tables import Rows, markdown_table
 from ...text import without_markup
-from ..evaluation import Interval
-from ..evaluation.failures import exceeded, motions_text
+from ..evaluation.extra_scores import cost_table, limit_remarks
 from ..evaluation.reasons import Frequent
-from ..evaluation.report import interval_text
+from ..evaluation.sentences import exceeded, motions_text
+from ..evaluation.statistics import interval_text
+from ..extras import SCORES, STANDARD
 from ..levels import COMPARED
 from ..policies import POLICIES, needed_options
 from ..policies.trained import shipped_policies
 from .results import Result
-from .score_report import Said
-from .standings import FIXED, MARGIN, Standing, Standings
+from .standings import EFFORT, FIXED, MARGIN, Measure, Standings, cost_over, measures_of
 from .suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
+TITLE, FIGURE = "# Controllers compared", "profiles.png"
+READING = (
+    "**How to read this.** Each table is a level: how much differs from what a controller was "
+    "made for. *Success* is the share of motions that meet the limits of their task. *Relief* "
+    "is the share of the suit's cost that the wearer gets back: 0 is the suit without an "
+    "exoskeleton, 1 is no suit. It is the interquartile mean over settings, and a setting is "
+    "a task with a believed suit. The 95 % interval beside it is what *other motions* of these "
+    "tasks would tell; the next column is what *other tasks* like these would. *Relief "
+    "of joints with motors* counts the effort of shoulder flexion and elbow alone. *Mean* "
+    "counts harm in full, which the interquartile mean leaves out. *Worst setting* is the "
+    f"least mean relief. *Relief less {BASELINE}'s* compares both in the same motions. "
+    "*Better / alike / "
+    f"worse* are the shares of these motions with at least {MARGIN:g} more relief, about as "
+    "much, and less. *Sensors* are the suites that a policy needs. `best-known-plan` is a plan "
+    "that knows the true suit and the whole motion; it is the bound, not a controller."
+)
 CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
 COSTS = (
     "Each row is a policy: the mean of a cost over motions and settings, the share of the suit's "
@@ -33,7 +52,120 @@ MOST_COLORED = 8  # policies
 FAINT = "#b9bdc4"
 
 
-def level_rows(standings: Standings, level: str) -> Rows:
+class Said(NamedTuple):
+    """What results say about one score of an extra: text in Markdown, tables by title, remarks."""
+
+    text: str
+    tables: dict[str, Rows]
+    remarks: list[str]
+
+
+class Benchmark(Standings):
+    """Results of a benchmark beside each other, as tables, sentences and figures.
+
+    Args:
+        results: Results of one contract, such as `read_results` returns.
+
+    Attributes:
+        results: The results.
+    """
+
+    def __init__(self, results: Sequence[Result]) -> None:
+        super().__init__(results)
+        self.results = [*results]
+
+    @cached_property
+    def scores(self) -> dict[str, Said]:
+        """What the results say about each score of an extra that they have."""
+        names = dict.fromkeys(name for one in self.results for name in one.extra)
+        return {name: _said(self, name, self.results) for name in names}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns all trials as plain values."""
+        return {"trials": [loads(one.to_json()) for one in self.results]}
+
+    def tables(self) -> dict[str, Rows]:
+        """Returns the tables of all levels, and those of scores of extras, by title."""
+        tables = {f"{one}: all tasks": _level_rows(self, one) for one in self.levels}
+        for one in self.levels:
+            tables[f"{one}: success and relief by task"] = _task_rows(self, one)
+        for said in self.scores.values():
+            tables |= said.tables
+        return tables
+
+    def sentences(self) -> list[str]:
+        """Returns the best policies, what limits the results, and why motions and trials failed."""
+        return [
+            *_best_policies(self),
+            *(sentence for one in self.scores.values() for sentence in one.remarks),
+            *benchmark_remarks(self.results),
+            *_contract_remarks(self),
+            *(
+                f"{one.policy} failed in {one.task} at {one.level}: {one.failed}"
+                for one in self.results
+                if one.failed
+            ),
+        ]
+
+    def plots(self) -> dict[str, Plot]:
+        """Returns the performance profiles: the share of motions with at least a relief."""
+        return {"profiles": _profile_plot(self)}
+
+    def differences(self, policies: Sequence[str]) -> dict[str, Rows]:
+        """Returns a row per setting: the paired difference of relief, with its 95 % interval.
+
+        Args:
+            policies: Names of policies, with the first of which the others are compared.
+
+        Returns:
+            The tables by the names of the others.
+
+        Raises:
+            InputError: There are fewer than two policies, or a name is unknown.
+        """
+        if len(policies) < 2:
+            raise InputError("compare needs two policies: add --policies compensation adaptive")
+        first, *others = policies
+        header = ["task", "level", "believed", "difference\n(95 % interval)"]
+
+        def rows(other: str) -> list[list[str]]:
+            of = {one: self.difference(one, other, first) for one in self.settings}
+            return [[s.task, s.level, s.believed, interval_text(one)] for s, one in of.items()]
+
+        return {other: (header, rows(other)) for other in others}
+
+    def page(self, title: str = TITLE, figure: str = FIGURE) -> str:
+        """Returns all tables as Markdown, with the protocol above them.
+
+        Args:
+            title: Heading of the page.
+            figure: Name of the file of the performance profiles.
+        """
+        protocol = {key: without_markup(str(value)) for key, value in self.protocol.items()}
+        versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
+        parts = [
+            f"{title}\n\n{READING}{_best(self)}\n\n"
+            f"![Share of motions with at least a relief, by policy and level]({figure})\n"
+        ]
+        for level in self.levels:
+            parts.append(f"## {level}\n\n{_safe(_level_rows(self, level))}\n")
+        for level in self.levels:
+            title = f"## {level}, by task: success and relief"
+            parts.append(f"{title}\n\n{CELLS}\n\n{_safe(_task_rows(self, level))}\n")
+        for name, said in self.scores.items():
+            parts.append(f"## The score {without_markup(name)}\n\n{COSTS} {said.text}\n")
+            for title, rows in said.tables.items():
+                parts.append(f"### {title}\n\n{_safe(rows)}\n")
+        parts.append(
+            f"Made by `activesuit benchmark table` from {self.count} trials of suite version "
+            f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
+            f"({versions}; contract {protocol.get('contract')}). Results are taken as they are: "
+            "nothing proves that a file of results comes from the runs that it names.\n"
+        )
+        return "\n".join(parts)
+
+
+def _level_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per policy over all tasks of a level."""
     header = [
         *("policy", "sensors", "success", "relief\n(other motions)", "other tasks"),
@@ -49,7 +181,7 @@ def level_rows(standings: Standings, level: str) -> Rows:
                 _sensors(one.policy),
                 f"{one.success:.0%}",
                 interval_text(one.relief),
-                _ends(one.over_tasks),
+                interval_text(one.over_tasks).partition(" ")[2].strip("()"),
                 interval_text(one.assisted),
                 "-" if one.mean is None else f"{one.mean:.2f}",
                 "-" if one.worst is None else f"{one.worst[0]:.2f} {one.worst[1].task}",
@@ -58,10 +190,6 @@ def level_rows(standings: Standings, level: str) -> Rows:
             ]
         )
     return header, [[cell or "-" for cell in row] for row in rows]
-
-
-def _ends(interval: Interval | None) -> str:
-    return "-" if interval is None else f"{interval.low:.2f} to {interval.high:.2f}"
 
 
 def _sensors(policy: str) -> str:
@@ -79,7 +207,7 @@ def _sensors(policy: str) -> str:
     return (", ".join(sensors) if known and sensors else "") or "-"
 
 
-def contract_remarks(standings: Standings) -> Iterator[str]:
+def _contract_remarks(standings: Standings) -> Iterator[str]:
     """Yields a sentence where results cannot be compared with the leaderboard: why not."""
     protocol = standings.protocol
     contract = str(protocol.get("contract"))
@@ -102,7 +230,7 @@ def contract_remarks(standings: Standings) -> Iterator[str]:
     )
 
 
-def task_rows(standings: Standings, level: str) -> Rows:
+def _task_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per setting of a level: success and mean relief of every policy."""
     settings = standings.settings_at(level)
     names = [name for name in standings.policies_at(level) if name not in FIXED[:2]]
@@ -113,65 +241,7 @@ def task_rows(standings: Standings, level: str) -> Rows:
     return ["task\nand suit", *names], rows
 
 
-def difference_rows(standings: Standings, one: str, other: str) -> Rows:
-    """Returns a row per setting: the paired difference of relief with its interval."""
-    rows = [
-        [s.task, s.level, s.believed, interval_text(standings.difference(s, one, other))]
-        for s in standings.settings
-    ]
-    return ["task", "level", "believed", "difference\n(95 % interval)"], rows
-
-
-def page(standings: Standings, title: str, figure: str, scores: Mapping[str, Said]) -> str:
-    """Returns all tables as Markdown, with the protocol above them.
-
-    Args:
-        standings: Results.
-        title: Heading of the page.
-        figure: Name of the file of the performance profiles.
-        scores: What the results say about scores of extras, by the name of each.
-    """
-    protocol = {key: without_markup(str(value)) for key, value in standings.protocol.items()}
-    versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
-    parts = [
-        f"{title}\n\n"
-        "**How to read this.** Each table is a level: how much differs from what a controller was "
-        "made for. *Success* is the share of motions that meet the limits of their task. *Relief* "
-        "is the share of the suit's cost that the wearer gets back: 0 is the suit without an "
-        "exoskeleton, 1 is no suit. It is the interquartile mean over settings, and a setting is "
-        "a task with a believed suit. The 95 % interval beside it is what *other motions* of these "
-        "tasks would tell; the next column is what *other tasks* like these would. *Relief "
-        "of joints with motors* counts the effort of shoulder flexion and elbow alone. *Mean* "
-        "counts harm in full, which the interquartile mean leaves out. *Worst setting* is the "
-        f"least mean relief. *Relief less {BASELINE}'s* compares both in the same motions. "
-        "*Better / alike / "
-        f"worse* are the shares of these motions with at least {MARGIN:g} more relief, about as "
-        "much, and less. *Sensors* are the suites that a policy needs. `best-known-plan` is a plan "
-        "that knows the true suit and the whole motion; it is the bound, not a controller."
-        f"{_best(standings)}\n\n"
-        f"![Share of motions with at least a relief, by policy and level]({figure})\n"
-    ]
-    for level in standings.levels:
-        parts.append(f"## {level}\n\n{markdown_table(*_safe(level_rows(standings, level)))}\n")
-    for level in standings.levels:
-        title = f"## {level}, by task: success and relief"
-        parts.append(
-            f"{title}\n\n{CELLS}\n\n{markdown_table(*_safe(task_rows(standings, level)))}\n"
-        )
-    for name, said in scores.items():
-        parts.append(f"## The score {without_markup(name)}\n\n{COSTS} {said.text}\n")
-        for title, rows in said.tables.items():
-            parts.append(f"### {title}\n\n{markdown_table(*_safe(rows))}\n")
-    parts.append(
-        f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
-        f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
-        f"({versions}; contract {protocol.get('contract')}). Results are taken as they are: "
-        "nothing proves that a file of results comes from the runs that it names.\n"
-    )
-    return "\n".join(parts)
-
-
-def best_policies(standings: Standings) -> Iterator[str]:
+def _best_policies(standings: Standings) -> Iterator[str]:
     """Yields a sentence per level: the policy with the most relief, beside the bound."""
     for level in standings.levels:
         found = [one for one in standings.by_level(level) if one.relief is not None]
@@ -187,10 +257,11 @@ def best_policies(standings: Standings) -> Iterator[str]:
         )
 
 
-def _safe(rows: Rows) -> Rows:
-    """Returns a table in which names from files have no markup of their own."""
+def _safe(rows: Rows) -> str:
+    """Returns a table as Markdown in which names from files have no markup of their own."""
     header, body = rows
-    return [*map(without_markup, header)], [[*map(without_markup, row)] for row in body]
+    safe = [[*map(without_markup, row)] for row in body]
+    return markdown_table([*map(without_markup, header)], safe)
 
 
 def _best(standings: Standings) -> str:
@@ -202,60 +273,46 @@ def _best(standings: Standings) -> str:
     first, most = causal[0], max(causal, key=lambda one: one.success)
     if first.success == most.success or first.relief is None or most.relief is None:
         return ""
+    names = [f"`{one.policy.replace('`', '')}`" for one in (first, most)]
     return (
-        f" **The best relief is not the best success**: at {level} {_code(first)} has the most "
+        f" **The best relief is not the best success**: at {level} {names[0]} has the most "
         f"relief ({first.relief.value:.2f}) and succeeds in {first.success:.0%} of its motions; "
-        f"{_code(most)} succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
+        f"{names[1]} succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
     )
 
 
-def _code(standing: Standing) -> str:
-    return f"`{standing.policy.replace('`', '')}`"
-
-
-def profile_plot(standings: Standings) -> Plot:
-    """Returns performance profiles: the share of motions with at least a relief."""
+def _profile_plot(standings: Standings) -> Plot:
+    """Returns performance profiles; in color are the policies with the most relief over all."""
     names = [name for name in standings.policies if name not in FIXED]
-    best = _first(standings, names)
-    bound = [FIXED[2]] if FIXED[2] in standings.policies else []
-    relief = np.linspace(LOWEST, 1.5, 251)
-    panels = []
+    means = dict.fromkeys((name for name in names if not name.endswith("-tuned")), -np.inf)
+    for name in means:
+        found = (standings.standing(name, standings.settings_at(x)) for x in standings.levels)
+        if reliefs := [one.relief.value for one in found if one.relief is not None]:
+            means[name] = float(np.mean(reliefs))
+    best = sorted(means, key=means.__getitem__, reverse=True)[:MOST_COLORED]
+    best += [FIXED[2]] * (FIXED[2] in standings.policies)
+    relief, panels = np.linspace(LOWEST, 1.5, 251), []
     for level in standings.levels:
-        behind = [
-            Line(relief, standings.profile(name, level, relief), width=0.8, color=FAINT)
-            for name in names
-            if name not in best
-        ]
-        before = [
-            Line(relief, standings.profile(name, level, relief), name) for name in [*best, *bound]
-        ]
-        panels.append(
-            Panel(x="relief", y="share of motions", marks=[*behind, *before], title=level)
-        )
+        share = {name: standings.profile(name, level, relief) for name in (*names, *best)}
+        behind = [Line(relief, share[n], width=0.8, color=FAINT) for n in names if n not in best]
+        marks = [*behind, *(Line(relief, share[name], name) for name in best)]
+        panels.append(Panel(x="relief", y="share of motions", marks=marks, title=level))
     return Plot(title="Share of motions with at least a relief", panels=panels, height=2.8)
 
 
-def _first(standings: Standings, names: Sequence[str]) -> list[str]:
-    """Returns the policies that are drawn in color: those with the most relief over all levels."""
-
-    def mean(policy: str) -> float:
-        found = (standings.standing(policy, standings.settings_at(x)) for x in standings.levels)
-        reliefs = [one.relief.value for one in found if one.relief is not None]
-        return float(np.mean(reliefs)) if reliefs else -np.inf
-
-    plain = [name for name in names if not name.endswith("-tuned")]
-    return sorted(plain, key=mean, reverse=True)[:MOST_COLORED]
-
-
-def _cell(standings: Standings, setting: Setting, policy: str) -> str:
+def _cell(
+    standings: Standings, setting: Setting, policy: str, measure: Measure | None = None
+) -> str:
+    """Returns the success of a policy in a setting, or its mean cost; below the mean relief."""
     found = standings.of(setting, policy)
-    if found is None:
-        return "-"
-    if found.failed:
+    series = found and (measure.series(found) if measure else found.success)
+    if found is not None and found.failed:
         return "failed"
-    relief = standings.relief(setting, policy)
-    success = f"{np.mean(found.success):.0%}"
-    return success if relief is None else f"{success}\n{np.mean(relief):.2f}"
+    if not series:
+        return "-"
+    relief = standings.relief(setting, policy, of=measure or EFFORT)
+    value = f"{np.mean(series):{'.3g' if measure else '.0%'}}"
+    return value if relief is None else f"{value}\n{np.mean(relief):.2f}"
 
 
 def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
@@ -271,14 +328,60 @@ def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
             for why in one.why:
                 found.setdefault(why.name, []).append((why, one.task))
         parts = []
-        for same in sorted(found.values(), key=lambda same: -_total(same)):
+        for same in found.values():
             why, task = max(same, key=lambda pair: pair[0].motions)
             most = f", most in {task}" if len({one.task for one in mine}) > 1 else ""
-            parts.append(f"{exceeded(why)} ({motions_text(_total(same))}{most})")
+            total = sum(one.motions for one, _ in same)
+            parts.append((total, f"{exceeded(why)} ({motions_text(total)}{most})"))
         if parts:
             failed = f"{motions.count(False)} of {len(motions)} motions"
-            yield f"{policy} at {level} failed in {failed}: {'; '.join(parts)}"
+            text = "; ".join(part for _, part in sorted(parts, key=lambda pair: -pair[0]))
+            yield f"{policy} at {level} failed in {failed}: {text}"
 
 
-def _total(same: Sequence[tuple[Frequent, str]]) -> int:
-    return sum(why.motions for why, _ in same)
+def _said(standings: Standings, name: str, results: Sequence[Result]) -> Said:
+    """Returns what results say about one score of an extra."""
+    if name not in SCORES:
+        return Said("", {}, [f"note: no extra with the score {shown(name)} is here"])
+    facts = {
+        f"{one.policy} in {one.task} at {one.level} with {one.believed}": _facts(one, name)
+        for one in results
+        if _facts(one, name)
+    }
+    remarks = [*_gaps(name, results), *limit_remarks(name, facts)]
+    return Said(SCORES.find(name).text, _score_tables(standings, name, results), remarks)
+
+
+def _score_tables(standings: Standings, name: str, results: Sequence[Result]) -> dict[str, Rows]:
+    least, tables = SCORES.find(name).least, {}
+    measures = {cost: measures_of(results, name, cost, one) for cost, one in least.items()}
+    for level in standings.levels:
+        settings, costs, facts = standings.settings_at(level), {}, {}
+        for policy in standings.policies_at(level):
+            costs[policy] = {
+                cost: cost_over(standings, policy, settings, of) for cost, of in measures.items()
+            }
+            mine = [one for s in settings if (one := standings.of(s, policy)) is not None]
+            facts[policy] = [_facts(one, name) for one in mine]
+        tables[f"{level}: {name}"] = cost_table(name, costs, facts)
+        first, of = next(iter(measures.items()))
+        rows = [
+            [s.task, s.believed, *(_cell(standings, s, policy, of[STANDARD]) for policy in costs)]
+            for s in settings
+        ]
+        tables[f"{level}: {name}, {first} by task"] = ["task", "believed", *costs], rows
+    return tables
+
+
+def _facts(result: Result, name: str) -> Mapping[str, Any]:
+    return result.extra.get(name, {}).get("facts", {})
+
+
+def _gaps(name: str, results: Sequence[Result]) -> Iterator[str]:
+    """Yields sentences: which trials have no score, and why."""
+    without = sum(name not in one.extra and not one.failed for one in results)
+    if without:
+        yield f"note: {without} of {len(results)} trials were run without --score {name}"
+    kept = [(one.task, one.extra.get(name, {})) for one in results]
+    for task, reason in {task: one["reason"] for task, one in kept if "reason" in one}.items():
+        yield f"note: {name} cannot be scored in {task}: {reason}"

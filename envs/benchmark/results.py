@@ -1,28 +1,62 @@
-"""Results of the benchmark as lines of JSON, which anyone can merge."""
+"""Results of the benchmark: a trial makes one, and lines of JSON hold them for anyone to merge."""
 
 import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    WrapValidator,
+)
 
 from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
-from ..evaluation.reasons import Frequent
-from ..extras import STANDARD
+from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation.core import run
+from ..evaluation.reasons import Frequent, most_frequent
+from ..evaluation.rollout import Trace
+from ..extras import SCORES, STANDARD
 from ..levels import LEVELS
 from ..tasks import TASKS
+from .suite import Suite, Trial
 
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
+# The same in memory, where null is infinite.
+Kept = Annotated[Size, WrapValidator(lambda one, check: math.inf if one is None else check(one))]
 Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(one_line)]
 LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
+DIGITS = 6  # significant digits of efforts and errors
+SMALLEST = 12  # number of decimals; smaller errors are rounding
+
+
+class _Extra(BaseModel):
+    """What the score of an extra keeps; see `Result`."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    costs: dict[Name, dict[Name, list[Size | None]]] = {}
+    facts: dict[Name, Size | dict[Name, Size]] = {}
+    packages: dict[Name, Name] = {}
+    reason: str | None = None
+
+
+if TYPE_CHECKING:
+    Extra = dict[str, Any]
+else:  # a file is checked as the model, and what is kept are plain values
+    Extra = Annotated[_Extra, AfterValidator(lambda one: one.model_dump(exclude_unset=True))]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,19 +81,21 @@ class Result:
             none.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
     task: str
     level: str
-    believed: str
-    policy: str
+    believed: Name
+    policy: Name
     options: dict[str, Any]
-    effort: tuple[float, ...]
-    assisted_effort: tuple[float, ...]
-    tracking: tuple[float, ...]
+    effort: Annotated[tuple[Kept, ...], Field(min_length=1)]
+    assisted_effort: tuple[Kept, ...]
+    tracking: tuple[Kept, ...]
     success: tuple[bool, ...]
     failed: str | None
     protocol: dict[str, Any]
     why: tuple[Frequent, ...] = ()
-    extra: dict[str, dict[str, Any]] = field(default_factory=dict)
+    extra: dict[Name, Extra] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
@@ -78,7 +114,7 @@ class Result:
             InputError: The text is no such result; the message begins with `name`.
         """
         try:
-            found = _Saved.model_validate(parse_json(text, name, fix="delete it"))
+            found = _RESULT.validate_python(parse_json(text, name, fix="delete it"))
         except ValidationError as error:
             problem: Any = error.errors()[0]
             place = ".".join(map(str, problem["loc"])) or "the whole"
@@ -86,57 +122,25 @@ class Result:
             raise InputError(
                 f"{name} is no result of the benchmark ({reason}): delete it"
             ) from None
-        values = dict(found)
-        for series in SIZES:
-            values[series] = tuple(math.inf if one is None else one for one in values[series])
         for what, known in (("task", TASKS), ("level", LEVELS)):
-            if values[what] not in known:
-                raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
-        if len({len(values[series]) for series in SERIES}) > 1:
+            if getattr(found, what) not in known:
+                raise InputError(f"{name} has the {what} {shown(getattr(found, what))}: delete it")
+        if len({len(getattr(found, series)) for series in SERIES}) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
-        said, motions = values["protocol"].get("episodes"), len(values["effort"])
+        said, motions = found.protocol.get("episodes"), len(found.effort)
         if said not in (None, motions):
             raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
         for score, kept in found.extra.items():
-            for cost, series in kept.costs.items():
+            for cost, series in kept.get("costs", {}).items():
                 if STANDARD not in series or any(len(one) != motions for one in series.values()):
                     raise InputError(
                         f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
                         "every other convention: delete it"
                     )
-        values["extra"] = {n: one.model_dump(exclude_unset=True) for n, one in found.extra.items()}
-        return cls(**values)
+        return found
 
 
-class _SavedScore(BaseModel):
-    """The score of an extra in the line of a result."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    costs: dict[Name, dict[Name, list[Size | None]]] = {}
-    facts: dict[Name, Size | dict[Name, Size]] = {}
-    packages: dict[Name, Name] = {}
-    reason: str | None = None
-
-
-class _Saved(BaseModel):
-    """The line of a result."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    task: str
-    level: str
-    believed: Name
-    policy: Name
-    options: dict[str, Any]
-    effort: Annotated[tuple[Size | None, ...], Field(min_length=1)]
-    assisted_effort: tuple[Size | None, ...]
-    tracking: tuple[Size | None, ...]
-    success: tuple[bool, ...]
-    failed: str | None
-    protocol: dict[str, Any]
-    why: tuple[Frequent, ...] = ()  # results of before have none
-    extra: dict[Name, _SavedScore] = {}
+_RESULT = TypeAdapter(Result)
 
 
 def lines(results: Iterable[Result]) -> str:
@@ -197,3 +201,68 @@ def read_text(path: Path, what: str = "results") -> str:
         return content_of(path, what, LARGEST).decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read the {what} {str(path)!r}: not a UTF-8 text") from error
+
+
+def run_trial(suite: Suite, trial: Trial) -> Result:
+    """Runs one policy on all motions of a setting, with adapted wearers, on one thread.
+
+    Args:
+        suite: What the benchmark runs.
+        trial: One of its trials.
+
+    Returns:
+        The result; where the policy cannot act, every motion of it is failed, and why is said.
+
+    Raises:
+        InputError: The suite has the score of an extra that is missing.
+    """
+    episodes = suite.motions_of(trial.policy)
+    env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
+    name = trial.policy.name
+    given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
+    found: dict[str, Any] = {"failed": None}
+    try:
+        options = suite.environment(trial.setting)
+        score, traces, _ = run(trial.label, given, env, seeds, threads=1, **options)
+    except InputError as error:
+        found = dict.fromkeys(SIZES, (math.inf,) * episodes)
+        found |= {"success": (False,) * episodes, "failed": str(error)}
+    else:
+        found |= {size: _rounded(getattr(score, size)) for size in SIZES}
+        found |= {"success": score.success, "why": most_frequent(score.why)}
+        found["extra"] = {extra: _scored(extra, traces) for extra in suite.scores}
+    return Result(
+        **trial.setting._asdict(),
+        policy=trial.label,
+        options=trial.policy.to_dict(),
+        protocol=suite.protocol(trial.policy),
+        **found,
+    )
+
+
+def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
+    """Returns what a score keeps of the motions, or why they cannot be scored."""
+    score = SCORES.find(name)
+    try:
+        found = score.scored(traces, threads=1, on_motion=lambda: None)
+    except InputError as error:
+        return {"reason": str(error)}
+    packages = {one: version(one) for one in score.packages}
+    return {"costs": _plain(found.costs), "facts": _plain(found.facts), "packages": packages}
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value of a score as JSON has it: rounded, and None where it is not finite."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return _rounded([value])[0] if math.isfinite(value) else None
+
+
+def _rounded(values: Sequence[float]) -> tuple[float, ...]:
+    """Returns values as they are kept; infinite ones in place of NaN."""
+    return tuple(
+        math.inf if math.isnan(value) else float(f"{round(value, SMALLEST):.{DIGITS}g}")
+        for value in values
+    )

@@ -5,23 +5,28 @@ So intervals draw motions anew for all settings together. What other *tasks* wou
 question, with intervals that draw tasks anew.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
-from ..evaluation.relief import LEAST_COST, relief
+from ..evaluation.extra_scores import Cost
 from ..evaluation.statistics import (
     FEWEST_RUNS,
+    LEAST_COST,
     Interval,
     difference_interval,
     interquartile_mean,
     interquartile_mean_interval,
+    relief,
 )
+from ..extras import STANDARD
 from ..levels import LEVELS
 from .results import SERIES, Result
 from .suite import BASELINE, Setting, where
@@ -114,12 +119,7 @@ class Standings:
         return None
 
     def relief(
-        self,
-        setting: Setting,
-        policy: str,
-        motions: int | None = None,
-        *,
-        of: Measure = EFFORT,
+        self, setting: Setting, policy: str, motions: int | None = None, *, of: Measure = EFFORT
     ) -> Array | None:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
@@ -147,6 +147,12 @@ class Standings:
         worst = min(means, key=lambda s: means[s]) if means else None
         pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
         gains = [np.subtract(*pair) for pair in pairs if pair is not None]
+        compared = None
+        if gains:
+            gain = np.concatenate(gains)
+            shares = (gain > MARGIN, np.abs(gain) <= MARGIN, gain < -MARGIN)
+            better, alike, worse = (float(np.mean(share)) for share in shares)
+            compared = better, alike, worse
         return Standing(
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
@@ -156,7 +162,7 @@ class Standings:
             mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
             worst=None if worst is None else (means[worst], worst),
             gain=over_motions(gains),
-            compared=_compared(np.concatenate(gains)) if gains else None,
+            compared=compared,
             failed=sum(one.failed is not None for one in mine),
         )
 
@@ -216,14 +222,20 @@ class Standings:
         bound = self._found[setting].get(BOUND)
         if bound is None:
             return
-        best = _motions(bound)
-        for place, results in self._found.items():
-            rivals = results.items() if where(place) == setting else ()
-            for motions in [_motions(one) for name, one in rivals if name not in FIXED]:
-                for i, motion in enumerate(motions[: len(best)]):
-                    if motion["success"] and motion["effort"] < best[i]["effort"]:
-                        best[i] = motion
-        series = {name: tuple(motion[name] for motion in best) for name in best[0]}
+        rivals = [
+            one
+            for place, results in self._found.items()
+            for name, one in results.items()
+            if where(place) == setting and name not in FIXED
+        ]
+        best = [bound] * len(bound.effort)
+        for rival in rivals:
+            for i in range(min(len(best), len(rival.effort))):
+                if rival.success[i] and rival.effort[i] < best[i].effort[i]:
+                    best[i] = rival
+        series = {
+            name: tuple(getattr(one, name)[i] for i, one in enumerate(best)) for name in SERIES
+        }
         self._found[setting][BOUND] = replace(bound, **series)
 
     def _paired(self, setting: Setting, one: str, other: str) -> tuple[Array, Array] | None:
@@ -232,18 +244,6 @@ class Standings:
         motions = min((len(each.effort) for each in results if each is not None), default=0)
         mine, theirs = (self.relief(setting, name, motions) for name in (one, other))
         return None if mine is None or theirs is None else (mine, theirs)
-
-
-def _motions(result: Result) -> list[dict[str, Any]]:
-    """Returns all series of a result, motion by motion."""
-    columns = [getattr(result, name) for name in SERIES]
-    return [dict(zip(SERIES, values, strict=True)) for values in zip(*columns, strict=True)]
-
-
-def _compared(gains: Array) -> tuple[float, float, float]:
-    """Returns the shares of gains beyond the margin, within it, and of losses beyond it."""
-    better, worse = float(np.mean(gains > MARGIN)), float(np.mean(gains < -MARGIN))
-    return better, float(np.mean(np.abs(gains) <= MARGIN)), worse
 
 
 def over_motions(values: Sequence[Array]) -> Interval | None:
@@ -280,3 +280,49 @@ def _clustered(values: Array) -> Interval:
     if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
         return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)
     return interquartile_mean_interval(values)
+
+
+def cost_over(
+    standings: Standings, policy: str, settings: Iterable[Setting], measures: Mapping[str, Measure]
+) -> Cost | None:
+    """Returns what settings cost under a policy; None where no trial has the cost.
+
+    Args:
+        standings: Results of the benchmark.
+        policy: Name of the policy.
+        settings: The settings.
+        measures: The cost under each convention.
+    """
+    settings = list(settings)
+    mine = [one for s in settings if (one := standings.of(s, policy)) is not None]
+    costs = [one for result in mine if (one := measures[STANDARD].series(result)) is not None]
+    if not costs or all(one.failed for one in mine):
+        return None
+    reliefs: dict[str, dict[Setting, Array]] = {}
+    for convention, measure in measures.items():
+        found = {s: standings.relief(s, policy, of=measure) for s in settings}
+        reliefs[convention] = {s: one for s, one in found.items() if one is not None}
+    standard = reliefs[STANDARD]
+    between = None
+    if standard and all(one.keys() == standard.keys() for one in reliefs.values()):
+        means = [interquartile_mean(aligned([*one.values()]).ravel()) for one in reliefs.values()]
+        between = float(min(means)), float(max(means))
+    mean = float(np.mean(np.concatenate(costs)))
+    return Cost(mean, over_motions([*standard.values()]), between)
+
+
+def measures_of(
+    results: Sequence[Result], score: str, cost: str, least: float
+) -> dict[str, Measure]:
+    """Returns a cost of a score as measures, by each convention that results have."""
+    costs = [one.extra.get(score, {}).get("costs", {}).get(cost, {}) for one in results]
+    conventions = dict.fromkeys((STANDARD, *(name for one in costs for name in one)))
+    return {name: Measure(partial(_series, score, cost, name), least) for name in conventions}
+
+
+def _series(score: str, cost: str, convention: str, result: Result) -> Sequence[float] | None:
+    """Returns the cost of each motion; None where the result does not have it."""
+    if result.failed is not None:
+        return (math.inf,) * len(result.effort)
+    kept = result.extra.get(score, {}).get("costs", {}).get(cost, {}).get(convention)
+    return None if kept is None else [math.inf if one is None else one for one in kept]

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import PurePath
@@ -17,6 +17,7 @@ from ...assets import load_suit
 from ...checks import at_least, once
 from ...errors import InputError, unknown_name
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation.compare import check_policy
 from ..evaluation.statistics import FEWEST_MOTIONS
 from ..extras import SCORES
 from ..levels import COMPARED, LEVELS
@@ -148,6 +149,34 @@ class Suite:
         """Returns the options of the environment in a setting."""
         return {**setting.options, "coupling": self.coupling, **self.options}
 
+    def to_dict(self) -> dict[str, Any]:
+        """Returns what a benchmark runs as plain values, by which it is known again."""
+        found = {"suite": self.name, "contract": self.contract, "tasks": self.tasks}
+        found |= {"levels": self.levels, "believed": self.believed, "motions": self.motions}
+        found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
+        others = {"options": self.options, "scores": self.scores}
+        return found | {name: one for name, one in others.items() if one}
+
+    def check(self) -> None:
+        """Makes every policy once; InputError where a policy or a suit cannot be had."""
+        for trial in replace(self, tasks=self.tasks[:1]).trials:
+            if trial.label not in (*REFERENCES, *BOUNDS):
+                env = f"ActiveSuit/{trial.setting.task}-v0"
+                check_policy(env, trial.policy, **self.environment(trial.setting))
+
+    def check_scores(self) -> None:
+        """Asks every score of an extra once; InputError where no task can have the score."""
+        places = {one.task: self.environment(one) for one in self.settings}
+        for score in self.scores:
+            refused = []
+            for task, options in places.items():
+                try:
+                    check_policy(f"ActiveSuit/{task}-v0", BOUNDS[0], (score,), **options)
+                except InputError as error:
+                    refused.append(error)
+            if len(refused) == len(places):
+                raise refused[-1]
+
     @property
     def settings(self) -> list[Setting]:
         """All settings, in the order of every table."""
@@ -165,19 +194,16 @@ class Suite:
         What believes nothing does the same at "shift", whatever suit the others believe in, and
         runs once.
         """
-        return list({trial.file_name: trial for trial in self._trials()}.values())
-
-    def _trials(self) -> Iterator[Trial]:
         fixed = {name: PolicySpec(name) for name in (*REFERENCES, *BOUNDS[1:])}
+        found = []
         for setting in self.settings:
-            for label, policy in {**fixed, **self.policies}.items():
-                if believes(policy.name):
-                    suit = setting.believed
-                    yield Trial(
-                        setting, PolicySpec(policy.name, {"suit": suit, **policy.options}), label
-                    )
+            for label, one in {**fixed, **self.policies}.items():
+                if believes(one.name):
+                    suited = PolicySpec(one.name, {"suit": setting.believed, **one.options})
+                    found.append(Trial(setting, suited, label))
                 else:
-                    yield Trial(where(setting), policy, label)
+                    found.append(Trial(where(setting), one, label))
+        return list({trial.file_name: trial for trial in found}.values())
 
     def motions_of(self, policy: PolicySpec) -> int:
         """Returns the number of motions of a policy."""
@@ -198,14 +224,10 @@ class Suite:
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
             "seed": FIRST_SEED,
-            **self._own,
+            **({"options": dict(self.options)} if self.options else {}),
         }
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
-
-    @property
-    def _own(self) -> dict[str, Any]:
-        return {"options": dict(self.options)} if self.options else {}
 
     def protocol(self, policy: PolicySpec) -> dict[str, Any]:
         """Returns how a result came about: version, contract, seeds, motions and packages."""
@@ -214,7 +236,7 @@ class Suite:
             "contract": self.contract,
             "first_seed": FIRST_SEED,
             "episodes": self.motions_of(policy),
-            **self._own,
+            **({"options": dict(self.options)} if self.options else {}),
             "activesuit": __version__,
             "mujoco": mujoco.__version__,
             "numpy": np.__version__,
@@ -257,18 +279,16 @@ def suite(
     """Returns a suite, with what is given instead of its own."""
     if name not in SUITES:
         raise unknown_name("suite", name, SUITES)
-    found = SUITES[name]
     specs = [policy_spec(given, trust=trust) for given in policies]
     names = [
         PurePath(given).stem if is_saved(given) else str(spec)
         for given, spec in zip(policies, specs, strict=True)
     ]
     once("policies", names)
-    labels = dict(zip(names, specs, strict=True))
-    changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
-    changes |= {"options": dict(options or {}), "scores": scores}
-    given = {name: value for name, value in changes.items() if value}
-    return replace(found, **given, **({} if motions is None else {"motions": motions}))
+    changes = {"policies": dict(zip(names, specs, strict=True)), "tasks": tasks, "levels": levels}
+    changes |= {"believed": believed, "options": dict(options or {}), "scores": scores}
+    changes = {name: value for name, value in changes.items() if value}
+    return replace(SUITES[name], **changes, **({} if motions is None else {"motions": motions}))
 
 
 SUITES = {

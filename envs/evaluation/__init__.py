@@ -2,9 +2,9 @@
 
 from .bounds import BOUNDS
 from .compare import Evaluation, evaluate
-from .core import FIRST_SEED, REFERENCES
+from .core import FIRST_SEED
 from .rollout import Trace, rollout
-from .scores import Score, score
+from .scores import REFERENCES, Score, score
 from .statistics import Interval
 from .suit_validation import SuitValidation, validate
 

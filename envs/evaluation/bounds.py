@@ -114,50 +114,39 @@ class _Best:
 def _search(best: _Best, on_pass: Callable[[Array], None]) -> None:
     """Tries changes of the best plans, in rounds, as long as a round takes off enough effort."""
     rng = np.random.default_rng(0)
-    for changes, least in ((_sooner_or_later, GAIN), *[(_changes, LITTLE)] * ROUNDS):
+    sooner_or_later = [partial(_shifted, by=by) for by in SOONER]
+    for round_, least in enumerate((GAIN, *[LITTLE] * ROUNDS)):
         before = best.effort.mean()
-        for change in changes(rng):
+        for change in _changes(rng) if round_ else sooner_or_later:
             best.tried(np.clip(change(best.commands), -1, 1))
         on_pass(best.effort)
         if not best.effort.mean() < (1 - least) * before:
             break
 
 
-def _sooner_or_later(_: np.random.Generator) -> Iterator[Callable[[Array], Array]]:
-    for by in SOONER:
-        yield partial(_shifted, by=by)
-
-
 def _changes(rng: np.random.Generator) -> Iterator[Callable[[Array], Array]]:
     """Yields changes of plans of shape (motions, periods, 2), from coarse to fine."""
     from scipy.ndimage import gaussian_filter1d  # slow to import
 
-    for by in SHIFTS:
-        yield partial(_shifted, by=by)
+    def bent(commands: Array, size: float) -> Array:
+        """Returns plans with smooth random bumps, of a size over that of the plan."""
+        width = rng.uniform(*BEND_WIDTHS)
+        bumps = gaussian_filter1d(rng.normal(size=commands.shape), width, axis=1, mode="nearest")
+        return commands + size * root_mean_square(commands) / root_mean_square(bumps) * bumps
+
+    yield from (partial(_shifted, by=by) for by in SHIFTS)
     for width in SMOOTHINGS:
         yield partial(gaussian_filter1d, sigma=width, axis=1, mode="nearest")
     for scale in SCALES:
         for column in range(len(ASSISTED)):
-            factor = np.ones(len(ASSISTED))
-            factor[column] = scale
-            yield partial(np.multiply, factor)
-    for size in BENDS:
-        yield partial(_bent, size=size, rng=rng)
+            yield partial(np.multiply, np.where(np.arange(len(ASSISTED)) == column, scale, 1.0))
+    yield from (partial(bent, size=size) for size in BENDS)
 
 
 def _shifted(commands: Array, by: int) -> Array:
     """Returns plans some control periods later, or earlier where `by` is negative."""
     at = np.clip(np.arange(commands.shape[1]) - by, 0, commands.shape[1] - 1)
     return commands[:, at]
-
-
-def _bent(commands: Array, size: float, rng: np.random.Generator) -> Array:
-    """Returns plans with smooth random bumps, of a size over that of the plan."""
-    from scipy.ndimage import gaussian_filter1d  # slow to import
-
-    width = rng.uniform(*BEND_WIDTHS)
-    bumps = gaussian_filter1d(rng.normal(size=commands.shape), width, axis=1, mode="nearest")
-    return commands + size * root_mean_square(commands) / root_mean_square(bumps) * bumps
 
 
 class _Planner:
@@ -220,14 +209,8 @@ def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
 
     if remembered(given(np.zeros_like(wanted)) ** 2).max() <= limit:
         return given(np.zeros_like(wanted))
-    found = minimize(
-        dual,
-        np.zeros_like(wanted),
-        jac=True,
-        bounds=Bounds(0, np.inf),
-        method="L-BFGS-B",
-        options={"ftol": 1e-12, "maxcor": 30},
-    )
+    how = {"jac": True, "method": "L-BFGS-B", "options": {"ftol": 1e-12, "maxcor": 30}}
+    found = minimize(dual, np.zeros_like(wanted), bounds=Bounds(0, np.inf), **how)
     return given(scarcity(found.x))
 
 

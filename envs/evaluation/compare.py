@@ -2,23 +2,28 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ...checks import at_least, check_seed, flag
 from ...errors import InputError, refuse_old_names, shown, unknown_name
 from ...plots import Plot
 from ...tables import Rows
+from ..extras import SCORES, Scored
+from ..making import make_arms
 from ..model.config import NO_SUIT
-from ..policies import POLICIES, AnyPolicy, PolicySpec, policy_spec
+from ..policies import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
+from . import extra_scores
 from .bounds import BOUNDS
-from .core import FIRST_SEED, REFERENCES, Make, Run, Runnable, run
-from .relief import relief_interval, suit_cost
+from .core import FIRST_SEED, Make, Run, Runnable, run
 from .rollout import Trace
-from .scores import UNADAPTED, Score, Values, root_mean_square, score
-from .statistics import Interval, ratio_interval
+from .scores import REFERENCES, UNADAPTED, Score, root_mean_square, score
+from .statistics import Interval, ratio_interval, relief_interval, suit_cost
 
+OnPolicy = Callable[[str, list[Trace]], None]
 Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
 
 
@@ -30,11 +35,15 @@ class Evaluation:
         scores: Score of each policy, reference and bound, by name, in the order of evaluation.
         adapted: Whether the scores are of wearers who have learned the motions.
         traces: The motions of each of them.
+        first_seed: Seed of the first motion.
+        extras: Scores of extras of each of them, by the name of the score.
     """
 
     scores: Mapping[str, Score]
     adapted: bool
     traces: Mapping[str, list[Trace]] = field(default_factory=dict, repr=False)
+    first_seed: int = FIRST_SEED
+    extras: Mapping[str, Mapping[str, Scored]] = field(default_factory=dict, repr=False)
 
     @property
     def suit_cost(self) -> Interval | None:
@@ -46,8 +55,7 @@ class Evaluation:
     def relief(self, policy: str) -> Interval | None:
         """Returns the share of the suit's cost that a policy gives back.
 
-        See `metrics.relief`: 0 is no better than leaving the exoskeleton at home, 1 moves as
-        without a suit.
+        0 is no better than leaving the exoskeleton at home, 1 moves as without a suit.
 
         Args:
             policy: Name of a policy, reference or bound.
@@ -56,55 +64,63 @@ class Evaluation:
             Relief with its 95 % interval; None without references, or where the suit costs less
             than 1 % of strength.
         """
-        return self._relief(policy, lambda score: score.effort)
+        return self._relief(policy, "effort")
 
     def assisted_relief(self, policy: str) -> Interval | None:
         """Returns the relief of the joints that can have a motor; None likewise."""
-        return self._relief(policy, lambda score: score.assisted_effort)
+        return self._relief(policy, "assisted_effort")
 
-    def _relief(self, policy: str, effort: Callable[[Score], Values]) -> Interval | None:
+    def _relief(self, policy: str, effort: str) -> Interval | None:
         self._check(policy)
         if any(name not in self.scores for name in REFERENCES):
             return None
-        return relief_interval(*(effort(self.scores[name]) for name in (*REFERENCES, policy)))
+        return relief_interval(
+            *(getattr(self.scores[one], effort) for one in (*REFERENCES, policy))
+        )
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
         """Returns the relief of a policy less that of another, motion by motion; None likewise."""
         if self.relief(policy) is None or self.relief(other) is None:
             return None
-        unsuited, suited, one, two = (
-            np.array(self.scores[name].effort) for name in (*REFERENCES, policy, other)
-        )
+        unsuited, suited, one, two = map(self._effort, (*REFERENCES, policy, other))
         return ratio_interval(two - one, suited - unsuited)
 
-    def share_of_bound(self, policy: str, bound: str = "best-known-plan") -> Interval | None:
+    def share_of_bound(self, policy: str, bound: str = BOUNDS[1]) -> Interval | None:
         """Returns the relief of a policy over that of a bound; None where there is none."""
         self._check(policy)
         if bound not in BOUNDS:
             self._check(bound)
         if bound not in self.scores or self.relief(bound) is None:
             return None
-        suited = np.array(self.scores["suited"].effort)
-        efforts = (np.array(self.scores[name].effort) for name in (policy, bound))
-        return ratio_interval(*(suited - effort for effort in efforts))
+        suited, one, other = map(self._effort, (REFERENCES[1], policy, bound))
+        return ratio_interval(suited - one, suited - other)
+
+    def _effort(self, name: str) -> Array:
+        return np.array(self.scores[name].effort)
 
     def _check(self, name: str) -> None:
         if name not in self.scores:
             raise unknown_name("policy of this evaluation", name, self.scores)
 
+    @cached_property
+    def _costs(self) -> dict[str, extra_scores.Costs]:
+        return {name: extra_scores.costs_of(name, found) for name, found in self.extras.items()}
+
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values."""
-        found = {}
+        cost, found = self.suit_cost, {}
         for name, one in self.scores.items():
-            relief, assisted = self.relief(name), self.assisted_relief(name)
-            share = self.share_of_bound(name)
-            found[name] = {
-                **one.to_dict(),
-                "relief": relief and relief.to_dict(),
-                "assisted_relief": assisted and assisted.to_dict(),
-                "share_of_bound": share and share.to_dict(),
+            intervals = {
+                "relief": self.relief(name),
+                "assisted_relief": self.assisted_relief(name),
+                "share_of_bound": self.share_of_bound(name),
             }
-        cost = self.suit_cost
+            found[name] = one.to_dict() | {
+                of: one and one.to_dict() for of, one in intervals.items()
+            }
+            for extra, scored in self.extras.items():
+                costs = self._costs[extra][name]
+                found[name][extra] = extra_scores.plain(extra, scored[name], costs)
         return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
 
     def tables(self, place: str = "") -> dict[str, Rows]:
@@ -116,43 +132,58 @@ class Evaluation:
         from . import report
 
         scores, references = [*self.scores.values()], self.suit_cost is not None
-        title = f"Scores: {place}" if place else "Scores"
-        return {
-            title: report.score_table(scores, self if references else None),
+        tables = {
+            f"Scores: {place}" if place else "Scores": report.score_table(
+                scores, self if references else None
+            ),
             "Cost per motion": report.effort_table(scores),
             "Units of effort, medians": report.units_table(scores),
         }
+        for name, scored in self.extras.items():
+            facts = {policy: [one.facts] for policy, one in scored.items()}
+            tables[name] = extra_scores.cost_table(name, self._costs[name], facts)
+        return tables
 
     def sentences(self) -> list[str]:
         """Returns what suit and policies cost and give back, why motions failed, and limits."""
-        from . import failures, report
+        from . import sentences as say
 
         scores = [*self.scores.values()]
-        return [
-            *report.story(self),
-            *failures.why_remarks(scores),
-            *report.cuff_remarks(scores),
-            *report.guard_remarks(scores),
-        ]
+        found = [*say.story(self), *say.why_remarks(scores), *say.cuff_remarks(scores)]
+        found += say.guard_remarks(scores)
+        for name, scored in self.extras.items():
+            found += extra_scores.cost_remarks(name, scored, self._costs[name])
+        return found
 
     def plots(self) -> dict[str, Plot]:
         """Returns figures by name: the reliefs, and the first motion of each policy."""
-        from . import report
-        from .figures import motion_plots
+        from . import figures
 
-        relief = report.relief_plot(self)
-        first = {name: traces[0] for name, traces in self.traces.items()}
-        return ({} if relief is None else {"relief": relief}) | motion_plots(first)
+        relief = figures.relief_plot(self)
+        return ({} if relief is None else {"relief": relief}) | figures.motion_plots(self.first())
 
-    def columns(self, first_seed: int) -> dict[str, Any]:
+    def pictures(self) -> dict[str, Any]:
+        """Returns drawings of the scores of extras, by name."""
+        found = {}
+        for name, scored in self.extras.items():
+            draw = SCORES.find(name).figure
+            if draw is not None:
+                policies = extra_scores.drawn_policies(name, scored)
+                found[f"score-{name}"] = draw(self.first(policies))
+        return found
+
+    def columns(self) -> dict[str, Any]:
         """Returns columns of CSV files by name: every score, and the first motions over time."""
         from . import report
 
-        first = {name: traces[0] for name, traces in self.traces.items()}
         return {
-            "motions.csv": report.score_columns([*self.scores.values()], first_seed),
-            "traces.csv": report.trace_columns(first),
+            "motions.csv": report.score_columns([*self.scores.values()], self.first_seed),
+            "traces.csv": report.trace_columns(self.first()),
         }
+
+    def first(self, policies: Sequence[str] | None = None) -> dict[str, Trace]:
+        """Returns the first motion of some policies, by default of all."""
+        return {name: self.traces[name][0] for name in policies or self.traces}
 
 
 def evaluate(
@@ -163,7 +194,8 @@ def evaluate(
     seed: int = FIRST_SEED,
     references: bool = True,
     adapted: bool = True,
-    on_policy: Callable[[str, list[Trace]], None] | None = None,
+    scores: Sequence[str] = (),
+    on_policy: OnPolicy | None = None,
     **env_options: Any,
 ) -> Evaluation:
     """Runs every policy on the same `motions` intended motions and scores it.
@@ -183,7 +215,9 @@ def evaluate(
             "suited", without exoskeleton.
         adapted: Whether wearers have learned the motions; those who have not are scored beside.
             Otherwise only those are.
-        on_policy: Function that is called after each of them with its name and its motions.
+        scores: Names of scores of extras, such as "muscles", that the motions get too.
+        on_policy: Function that is called after each of them with its name and its motions, and
+            after each score of it again.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
 
     Raises:
@@ -214,37 +248,62 @@ def evaluate(
             "references are asked for, and suit is 'none': there is no suit whose cost could be "
             "given back, so name a suit or use references=False"
         )
-    seeds, found = range(seed, seed + motions), {}
-    scale = None
-
-    def add(name: str, given: Runnable) -> float:
+    scale, found = None, {}
+    order = [*reversed(REFERENCES)] if references else []
+    order += sorted(named, key=lambda name: name == BOUNDS[1])  # the best known plan last
+    for name in order:
         one = run(
-            name,
-            given,
-            env_id,
-            seeds,
-            adapted=adapted,
-            unadapted=True,
-            **env_options,
-            effort_scale=scale,
+            *(name, named.get(name, name), env_id, range(seed, seed + motions)),
+            **{**env_options, "adapted": adapted, "unadapted": True, "effort_scale": scale},
         )
+        if name in REFERENCES:
+            scale = one.effort_scale  # that of the suited arm, for all
         if name == BOUNDS[1]:
             one = _best_known(one, [found[other] for other in named if other in found])
         found[name] = one
         if on_policy is not None:
             on_policy(name, one.traces)
-        return one.effort_scale
-
-    for name in reversed(REFERENCES) if references else ():
-        scale = add(name, name)  # the suited arm's, for all
-    for name in sorted(named, key=lambda name: name == BOUNDS[1]):  # the bound last
-        add(name, named[name])
     order = [name for name in (*REFERENCES, *named) if name in found]
-    return Evaluation(
-        scores={name: found[name].score for name in order},
-        adapted=adapted,
-        traces={name: found[name].traces for name in order},
-    )
+    traces = {name: found[name].traces for name in order}
+    extras = {name: _scored(name, traces, on_policy) for name in scores}
+    return Evaluation({name: found[name].score for name in order}, adapted, traces, seed, extras)
+
+
+def _scored(
+    score: str, traces: Mapping[str, list[Trace]], on_policy: OnPolicy | None
+) -> dict[str, Scored]:
+    """Returns the score of an extra for each policy."""
+    found = {}
+    for name, motions in traces.items():
+        found[name] = SCORES.find(score).scored(motions, threads=0, on_motion=lambda: None)
+        if on_policy is not None:
+            on_policy(name, motions)
+    return found
+
+
+def check_policy(
+    env_id: str, policy: AnyPolicy, scores: Sequence[str] = (), **env_options: Any
+) -> None:
+    """Makes one arm and a policy, so that mistakes are known before anything moves.
+
+    Args:
+        env_id: Id of a registered environment.
+        policy: Policy, or the name of a bound.
+        scores: Names of scores of extras that the motions shall have.
+        **env_options: Options of the environment.
+
+    Raises:
+        InputError: The environment or the policy cannot be made, or a score cannot be had.
+    """
+    needed = {} if policy in BOUNDS else needed_options(policy)
+    arms = make_arms(env_id, 1, **{**env_options, **needed})
+    try:
+        for name in scores:
+            SCORES.find(name).check(arms.episodes.simulation)
+        if policy not in BOUNDS:
+            make_policy(policy, arms)
+    finally:
+        arms.close()
 
 
 def _best_known(plan: Run, others: Sequence[Run]) -> Run:
@@ -288,7 +347,6 @@ def named_policies(policies: Policies) -> dict[str, Runnable]:
                 f"a policy of your own has the label {name!r}, the name of another one: choose "
                 "another label"
             )
-    for name in named:
         if name in REFERENCES:
             raise InputError(
                 f"policy {name!r} is a reference, which has no exoskeleton: leave it out, as "
@@ -298,7 +356,7 @@ def named_policies(policies: Policies) -> dict[str, Runnable]:
 
 
 def _checked(name: str | None, given: AnyPolicy | Make) -> Runnable:
-    if isinstance(given, str) and (given in BOUNDS or given in REFERENCES):
+    if isinstance(given, str) and given in (*BOUNDS, *REFERENCES):
         return given
     if isinstance(given, str | Mapping | PolicySpec):
         return policy_spec(given, beside=BOUNDS)

@@ -1,7 +1,6 @@
 """One policy on the motions of one setting: its traces and its score.
 
-`evaluate`, the benchmark and validation all run policies by these functions, so
-that a policy has one score.
+`evaluate`, the benchmark and validation all run policies by `run`, so that a policy has one score.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +17,7 @@ from ..policies.own import own_policy
 from ..randomization import Randomization
 from .bounds import BOUNDS, clairvoyant
 from .rollout import Trace
-from .scores import Score, score
+from .scores import REFERENCES, Score, score
 from .wearers import Wearers
 
 Make = Callable[[Plant], Policy]
@@ -27,7 +26,6 @@ Runnable = PolicySpec | str | Make
 
 FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
 FIRST_PRACTICE = 10**9  # first seed of the practice of policies that learn over episodes
-REFERENCES = ("unsuited", "suited")
 _EXO = ("exo", "misalignment", "belief", "sensors", "sensing", "faults")
 _SUIT = ("pressure", "preconditioned", "allow_uncertified")
 
@@ -73,9 +71,9 @@ def run(
     """
     if options.get("reward") is not None:
         raise InputError("scores are those of the shipped reward: leave the option reward out")
-    wearers = Wearers(env_id, len(seeds), **options_of(given, options))
+    wearers = Wearers(env_id, len(seeds), **_options_of(given, options))
     try:
-        make = maker(name, given, wearers, seeds)
+        make = _practiced(_maker(name, given, wearers, seeds), wearers)
         first = wearers.unadapted(make(), seeds) if unadapted or not adapted else []
         traces = wearers.adapted(make, seeds) if adapted else first
         return Run(score(name, traces, first), traces, wearers.arms.episodes.effort_scale)
@@ -83,7 +81,7 @@ def run(
         wearers.close()
 
 
-def options_of(given: Runnable, options: Mapping[str, Any]) -> dict[str, Any]:
+def _options_of(given: Runnable, options: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the options of the environment in which a policy, reference or bound acts."""
     if isinstance(given, str) and given in REFERENCES:
         return reference_options(given, options)
@@ -112,19 +110,10 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
     return {**kept, "coupling": "none"}
 
 
-def maker(
-    name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]
-) -> Callable[[], Policy]:
-    """Returns a function that makes a policy anew, so that it carries nothing between rollouts.
-
-    A policy that learns over episodes has practiced before, in other motions than those of `seeds`.
-    """
-    return _practiced(_maker(name, given, wearers, seeds), wearers)
-
-
 def _maker(
     name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]
 ) -> Callable[[], Policy]:
+    """Returns a function that makes a policy anew, so that it carries nothing between rollouts."""
     plant = Plant.of(wearers.arms.episodes)
     if isinstance(given, PolicySpec):
         return partial(make_policy, given, plant)

@@ -15,7 +15,6 @@ from ..reward import cost_terms
 from ..simulation.inverse_dynamics import Chain
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS
-from ..tasks import Task
 from ..tasks.task import ROUNDING, Limit
 from ..vector_env import ArmVectorEnv
 from .reasons import Reason, reasons
@@ -24,7 +23,7 @@ SERIES = (
     *("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque"),
     "effort",
 )
-
+SOME = {"cuff_force": (3, 3), "fatigue": (2, 4), "motor_load": (2,)}  # what some arms lack
 
 FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 
@@ -158,25 +157,38 @@ def rollout(
         if isinstance(policy, Guard):
             guarded[ended] = policy.acted[ended]
     series, returns, costs = np.array(measured), np.array(rewards), np.array(courses)
-    simulation = arms.episodes.simulation
-    limits, wearers = simulation.state.episode.limit, simulation.state.conditions.wearer
-    return [
-        _trace(
-            series[:end, row],
-            returns[:end, row],
-            costs[:end, row],
-            strength=simulation.state.muscles.strength[row],
-            guarded=int(guarded[row]) if isinstance(policy, Guard) else None,
-            terminated=bool(failed[row]),
-            periods=int(limits[row]),
-            task=arms.episodes.task,
-            arm=simulation.arm_of(int(wearers[row])),
-            dressed=simulation.dressed(row),
-            peak_torque=simulation.addresses.peak_torque if arms.episodes.motors else None,
-            has=frozenset(simulation.columns),
+    episodes, simulation = arms.episodes, arms.episodes.simulation
+    state, found = simulation.state, []
+    for row, end in enumerate(ends.tolist()):
+        now = series[:end, row]
+        force, fatigue, load = (
+            now[:, COLUMNS[name]].reshape(end, *shape) if name in simulation.columns else None
+            for name, shape in SOME.items()
         )
-        for row, end in enumerate(ends.tolist())
-    ]
+        angle = now[:, COLUMNS["angle"]]
+        arm = simulation.arm_of(int(state.conditions.wearer[row]))
+        trace = Trace(
+            time=now[:, COLUMNS["time"].start],
+            **{name: now[:, COLUMNS[name]] for name in SERIES},
+            cuff_force=force,
+            fatigue=fatigue,
+            motor_load=load,
+            hand=arm.in_world(angle),
+            strength=strength_left(state.muscles.strength[row], angle, fatigue),
+            peak_torque=simulation.addresses.peak_torque if episodes.motors else None,
+            assist_energy=float(now[-1, COLUMNS["assist_energy"].start]),
+            rewards=returns[:end, row],
+            costs=cost_terms(costs[end - 1, row], end),
+            guarded=int(guarded[row]) if isinstance(policy, Guard) else None,
+            why=reasons(now, costs[:end, row], episodes.task, lost=bool(failed[row])),
+            limits=episodes.task.limits,
+            terminated=bool(failed[row]),
+            periods=int(state.episode.limit[row]),
+            arm=arm,
+            dressed=simulation.dressed(row),
+        )
+        found.append(trace)
+    return found
 
 
 def strength_left(strength: Array, angle: Array, fatigue: Array | None) -> Array:
@@ -193,45 +205,3 @@ def strength_left(strength: Array, angle: Array, fatigue: Array | None) -> Array
     low, high = strength_limits(strength, angle, np.zeros_like(angle))
     left = np.stack([-low, high], axis=1)
     return left if fatigue is None else left * (1 - fatigue)
-
-
-def _trace(
-    measured: Array,
-    rewards: Array,
-    costs: Array,
-    *,
-    strength: Array,
-    guarded: int | None,
-    terminated: bool,
-    periods: int,
-    task: Task,
-    arm: Arm,
-    dressed: Chain,
-    peak_torque: Array | None,
-    has: frozenset[str],
-) -> Trace:
-    force, fatigue, load = (
-        measured[:, COLUMNS[name]].reshape(len(measured), *shape) if name in has else None
-        for name, shape in (("cuff_force", (3, 3)), ("fatigue", (2, 4)), ("motor_load", (2,)))
-    )
-    angle = measured[:, COLUMNS["angle"]]
-    return Trace(
-        time=measured[:, COLUMNS["time"].start],
-        **{name: measured[:, COLUMNS[name]] for name in SERIES},
-        hand=arm.in_world(angle),
-        cuff_force=force,
-        strength=strength_left(strength, angle, fatigue),
-        fatigue=fatigue,
-        motor_load=load,
-        peak_torque=peak_torque,
-        assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
-        rewards=rewards,
-        costs=cost_terms(costs[-1], len(rewards)),
-        guarded=guarded,
-        why=reasons(measured, costs, task, lost=terminated),
-        limits=task.limits,
-        terminated=terminated,
-        periods=periods,
-        arm=arm,
-        dressed=dressed,
-    )

@@ -1,6 +1,6 @@
 """The score of a policy: one value per motion, and what follows from all of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -17,6 +17,7 @@ from .reasons import Reason
 from .rollout import Trace
 
 Values = tuple[float, ...]
+REFERENCES = ("unsuited", "suited")
 UNADAPTED = ("unadapted_effort", "unadapted_tracking")  # of wearers who have learned nothing
 BEGINNING = 0.5  # s
 TINY = 1e-9  # a sum of rewards that counts as none
@@ -134,36 +135,42 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
     """
     human = np.concatenate([trace.human_torque for trace in traces])
     error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
+
+    def each(of: Callable[[Trace], Any], motions: Sequence[Trace] = traces) -> Values:
+        return tuple(float(of(trace)) for trace in motions)
+
+    def effort(trace: Trace) -> float:
+        return root_mean_square(trace.effort)
+
+    def tracking(trace: Trace) -> float:
+        return root_mean_square(trace.angle - trace.target_angle)
+
     return Score(
         policy=policy,
-        effort=_effort(traces),
-        assisted_effort=tuple(root_mean_square(trace.effort[:, _ASSISTED]) for trace in traces),
+        effort=each(effort),
+        assisted_effort=each(lambda one: root_mean_square(one.effort[:, _ASSISTED])),
         torque={
-            joint: tuple(root_mean_square(trace.human_torque[:, column]) for trace in traces)
-            for column, joint in enumerate(JOINTS)
+            joint: each(lambda one, at=at: root_mean_square(one.human_torque[:, at]))
+            for at, joint in enumerate(JOINTS)
         },
         peak=_by_joint(np.abs(human).max(axis=0)),
-        tracking=_tracking(traces),
+        tracking=each(tracking),
         tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
-        reward=tuple(float(trace.rewards.sum() / trace.periods) for trace in traces),
-        beginning=tuple(
-            float(trace.rewards[trace.time <= BEGINNING].sum() / max(trace.rewards.sum(), TINY))
-            for trace in traces
+        reward=each(lambda one: one.rewards.sum() / one.periods),
+        beginning=each(
+            lambda one: one.rewards[one.time <= BEGINNING].sum() / max(one.rewards.sum(), TINY)
         ),
-        above_limit=tuple(float(np.mean(trace.effort.max(axis=1) > SUSTAINED)) for trace in traces),
-        endurance=tuple(_endurance(trace) for trace in traces),
-        smoothness=tuple(_smoothness(trace) for trace in traces),
-        completion=tuple(
-            float(trace.time[-1]) if trace.success else float("nan") for trace in traces
-        ),
+        above_limit=each(lambda one: np.mean(one.effort.max(axis=1) > SUSTAINED)),
+        endurance=each(_endurance),
+        smoothness=each(_smoothness),
+        completion=each(lambda one: one.time[-1] if one.success else np.nan),
         success=tuple(trace.success for trace in traces),
         why=tuple(trace.why for trace in traces),
         limits=traces[0].limits,
         hot_from=_each(ASSISTED, [trace.hot_from for trace in traces]),
         saturated=_each(ASSISTED, [trace.saturated for trace in traces]),
         fatigued=_each(
-            JOINTS,
-            [() if one.fatigue is None else one.fatigue[-1].max(axis=0) for one in traces],
+            JOINTS, [() if one.fatigue is None else one.fatigue[-1].max(axis=0) for one in traces]
         ),
         strength_left=_each(JOINTS, [one.strength.min(axis=(0, 1)) for one in traces]),
         costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
@@ -171,20 +178,10 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
         cuff_peak=_cuff_peak(traces),
         assist_energy=tuple(trace.assist_energy for trace in traces),
         failures=sum(trace.terminated for trace in traces),
-        guarded=tuple(
-            trace.guarded / len(trace.time) for trace in traces if trace.guarded is not None
-        ),
-        unadapted_effort=_effort(unadapted),
-        unadapted_tracking=_tracking(unadapted),
+        guarded=tuple(one.guarded / len(one.time) for one in traces if one.guarded is not None),
+        unadapted_effort=each(effort, unadapted),
+        unadapted_tracking=each(tracking, unadapted),
     )
-
-
-def _effort(traces: Sequence[Trace]) -> Values:
-    return tuple(root_mean_square(trace.effort) for trace in traces)
-
-
-def _tracking(traces: Sequence[Trace]) -> Values:
-    return tuple(root_mean_square(trace.angle - trace.target_angle) for trace in traces)
 
 
 def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:

@@ -11,7 +11,7 @@ only 91 to 94 % with 20 motions.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
 
@@ -32,6 +32,7 @@ FEWEST_RESAMPLES = 200  # one lies beyond each end at the highest level
 LEVELS = 0.5, 0.99
 LEAST_ERROR = 0.2  # share of the data's standard error, for resamples that are nearly constant
 BLOCK = 2**20  # values of a series that are resampled at a time
+LEAST_COST = 0.01  # share of strength that a suit must cost for relief to have a meaning
 
 Estimate = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 Statistic = Callable[..., Any]
@@ -53,7 +54,7 @@ class Interval:
 
     def to_dict(self) -> dict[str, float]:
         """Returns the interval as plain values."""
-        return asdict(self)
+        return vars(self).copy()
 
     def __str__(self) -> str:
         """Returns such as "0.87 (0.81 to 0.93)": two digits of the width, three of a value."""
@@ -62,6 +63,20 @@ class Interval:
         if np.isfinite(width) and width > 0:
             form = f".{max(0, 1 - int(np.floor(np.log10(width))))}f"
         return f"{self.value:{form}} ({self.low:{form}} to {self.high:{form}})"
+
+
+def interval_text(one: Interval | None, form: str = "z.2f", *, lines: bool = False) -> str:
+    """Returns a value with its interval, or a dash.
+
+    Args:
+        one: The interval; None where there is none.
+        form: Format of its numbers.
+        lines: Whether the ends are on a line of their own, for narrow columns.
+    """
+    if one is None:
+        return "-"
+    ends = f"{one.low:{form}} to {one.high:{form}}"
+    return f"{one.value:{form}}" + (f"\n{ends}" if lines else f" ({ends})")
 
 
 def interval_of(
@@ -136,6 +151,51 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
     if below.low <= 0 <= below.high:
         return Interval(float(over.mean() / under.mean()), -np.inf, np.inf)
     return interval_of(np.divide, over, under, **options)
+
+
+def suit_cost(unsuited: ArrayLike, suited: ArrayLike) -> Interval:
+    """Returns the effort that a suit costs: suited less unsuited, over strength.
+
+    Args:
+        unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
+        suited: Effort in the suit without exoskeleton, shape (motions,).
+    """
+    return mean_interval(np.subtract(suited, unsuited))
+
+
+def relief(
+    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
+) -> Array | None:
+    """Returns the relief of each motion: the share of the suit's cost that a policy gives back.
+
+    It is (E suited - E) over the mean cost of the suit in these motions, so that one in which the
+    suit costs nothing does not decide. 0 is no better than leaving the exoskeleton at home, 1 moves
+    as without a suit, more carries the person, and less than 0 is worse than no exoskeleton.
+
+    Args:
+        unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
+        suited: Effort in the suit without exoskeleton, shape (motions,).
+        effort: Effort under the policy in the first of these motions, shape (n,).
+        least: Cost of the suit for relief to have a meaning, by default 1 % of strength. Other
+            costs of the wearer than effort have another one.
+
+    Returns:
+        The reliefs, shape (n,); None where the suit costs less.
+    """
+    unsuited, suited, effort = (np.asarray(one, float) for one in (unsuited, suited, effort))
+    cost = suited - unsuited
+    if not least <= cost.mean() < np.inf:  # a reference that failed has infinite effort
+        return None
+    return (suited[: effort.size] - effort) / cost[: effort.size].mean()
+
+
+def relief_interval(
+    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
+) -> Interval | None:
+    """Returns the mean of `relief` with its 95 % interval, that of a ratio of means; or None."""
+    if relief(unsuited, suited, effort, least=least) is None:
+        return None
+    return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))
 
 
 def interquartile_mean(scores: ArrayLike) -> Array:
@@ -255,12 +315,8 @@ def _jackknifed(statistic: Statistic, samples: list[Array]) -> tuple[Array, Arra
     count = samples[0].shape[-1]
     sums = [sample.sum(axis=-1) for sample in samples]
     values = statistic(*(total / count for total in sums))
-    without = statistic(
-        *(
-            (total[:, None] - sample) / (count - 1)
-            for total, sample in zip(sums, samples, strict=True)
-        )
-    )
+    left = zip(sums, samples, strict=True)
+    without = statistic(*((total[:, None] - sample) / (count - 1) for total, sample in left))
     if np.shape(values) != sums[0].shape or np.shape(without) != samples[0].shape:
         raise InputError(
             f"the statistic returns shape {np.shape(without)} for means of shape "

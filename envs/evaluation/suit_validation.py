@@ -1,36 +1,47 @@
-"""`validate`: controllers that believe suits in arms that wear others, and what suits predict."""
+"""`validate`: controllers that believe suits in arms that wear others, and what that says.
+
+Tables, sentences and figures of what believed suits are worth, and of what suits predict.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from itertools import chain, count
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ...arrays import Array
 from ...assets import AnySuit, Suit, load_suit
 from ...checks import at_least, check_seed, once
 from ...errors import InputError
-from ...plots import Plot
+from ...plots import Cells as Colored
+from ...plots import Panel, Plot
 from ...tables import Rows
 from ..model import ASSISTED
 from ..policies import policy_spec
 from .compare import Evaluation
 from .core import FIRST_SEED
-from .failures import why_remarks
 from .figures import motion_plots
-from .report import cuff_remarks, score_table, trace_columns
+from .report import score_table, trace_columns
 from .rollout import Trace
-from .statistics import FEWEST_MOTIONS
-from .validation import LIMITS, CurveError, Validation, believed_joints, compare_beliefs, verdict
-from .validation_report import (
+from .sentences import cuff_remarks, why_remarks
+from .statistics import FEWEST_MOTIONS, Interval, interval_text, mean_interval
+from .validation import (
+    LIMITS,
     RULE,
-    answer,
-    covered_text,
-    curve_table,
-    matrix_plot,
-    matrix_table,
-    names_of,
-    story,
-    torque_table,
+    TRUE,
+    TorqueError,
+    Validation,
+    believed_joints,
+    compare_beliefs,
 )
 
+Cells = Mapping[tuple[str, str], Validation]  # keys are believed and true suit
+
+LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
+LESS = "less than"
+NOTHING, SAME = "nothing to judge", "the same suit"
 WEIGHTLESS = "microgravity"  # where only the suit's torque remains
 OTHERS = 4  # number of policies and references beside those that believe a suit
 
@@ -99,7 +110,7 @@ class SuitValidation:
         """Returns verdict, relief and limits, the most important first."""
         rule = [RULE] * any(one.verdict for one in self.cells.values())
         if len(self.cells) > 1:
-            return [covered_text(self.cells), *rule]
+            return [_covered_by(self.cells), *rule]
         (((suit, true), found),) = self.cells.items()
         believed, evaluation = load_suit(self.believed[suit]), self.evaluations[true]
         drawn = self.options.get("randomize", {}).get("suit") == "samples"
@@ -123,8 +134,7 @@ class SuitValidation:
     @property
     def _first(self) -> dict[str, Trace]:
         """The first motion of each policy in the first plant."""
-        traces = next(iter(self.evaluations.values())).traces
-        return {name: one[0] for name, one in traces.items()}
+        return next(iter(self.evaluations.values())).first()
 
 
 def validate(
@@ -174,40 +184,21 @@ def validate(
         believed_joints(env_id, believed, policy, suit=suit, **options)
     if samples:
         options["randomize"] = {**options.get("randomize", {}), "suit": "samples"}
-    total, done = (len(believed) + OTHERS) * len(true) * motions, 0
+    total, done = (len(believed) + OTHERS) * len(true) * motions, count()
 
-    def step(name: str, traces: list[Trace]) -> None:
-        nonlocal done
-        del name
-        done += len(traces)
+    def step(_: str, traces: list[Trace]) -> None:
         if on_step:
-            on_step(done, total)
+            on_step((next(done) + 1) * len(traces), total)
 
     cells, evaluations, labels = {}, {}, names_of(believed)
+    same = {"policy": policy, "motions": motions, "seed": seed}
+    named = {labels[one]: suit for one, suit in believed.items()}
     for name, suit in true.items():
-        evaluations[name], found = compare_beliefs(
-            env_id,
-            {labels[one]: suit for one, suit in believed.items()},
-            policy=policy,
-            motions=motions,
-            seed=seed,
-            on_policy=step,
-            threads=0,
-            suit=suit,
-            **options,
-        )
+        more = {"on_policy": step, "threads": 0, "suit": suit, **options}
+        evaluations[name], found = compare_beliefs(env_id, named, **same, **more)
         cells |= {(one, name): found[labels[one]] for one in believed}
-    return SuitValidation(
-        env_id=env_id,
-        policy=policy,
-        motions=motions,
-        seed=seed,
-        options=options,
-        believed=believed,
-        plants=true,
-        cells=cells,
-        evaluations=evaluations,
-    )
+    kept = {"cells": cells, "evaluations": evaluations, "believed": believed, "plants": true}
+    return SuitValidation(env_id=env_id, options=options, **same, **kept)
 
 
 def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[str, AnySuit]:
@@ -245,42 +236,184 @@ def _lacking(believed: str, suit: Suit, true: str, plant: Suit) -> Iterator[str]
             yield f"{joint}: not assisted, because {believed} has no such joint"
 
 
-@dataclass(frozen=True, kw_only=True)
-class CurvePrediction:
-    """What suits predict of measured curves.
+def torque_table(found: Validation) -> Rows:
+    """Returns one row per joint, and one of all: the errors of the believed torque."""
+    header = ["joint", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]", "late by\n[ms]"]
+    header += ["RMS of the\npeak [%]", "over fit\nnoise"]
+    rows = []
+    for joint, error in found.torque.joints.items():
+        noise = found.torque.noise[joint]
+        ratio = f"{error.rms.value / noise:.3g}" if noise else "-"
+        rows.append([joint.removesuffix("_flexion"), *_errors(error), ratio])
+    if found.torque.together:
+        rows.append(["together", *_errors(found.torque.together), ""])
+    return header, rows
 
-    Attributes:
-        errors: Errors of each curve, by suit and joint.
-        notes: Curves that test nothing, as sentences.
+
+def _errors(error: TorqueError) -> Iterator[str]:
+    percent = Interval(*(100 * end for end in vars(error.nrmse).values()))
+    sizes = [(one, "z.2f") for one in (error.rms, error.peak, error.bias)]
+    for one, form in (*sizes, (error.lag, "z.0f"), (percent, "z.1f")):
+        yield interval_text(one, form, lines=True)
+
+
+def matrix_table(cells: Cells) -> Rows:
+    """Returns one row per believed suit and one column per true one."""
+    labels = names_of(chain(*cells))
+    believed, plants = _axes(cells)
+    rows = [[labels[one], *(_cell(cells[one, other]) for other in plants)] for one in believed]
+    return ["believes", *(f"wears\n{labels[other]}" for other in plants)], rows
+
+
+def matrix_plot(cells: Cells) -> Plot:
+    """Returns a heat map of torque errors; each cell tells error, relief and verdict."""
+    header, rows = matrix_table(cells)
+    believed, plants = _axes(cells)
+    found = [[cells[one, other].torque.nrmse for other in plants] for one in believed]
+    errors = np.array([[one.value if one else 0.0 for one in row] for row in found])
+    share = np.log(np.clip(errors, LEAST, MOST) / LEAST) / np.log(MOST / LEAST)
+    names = [row[0] for row in rows], [name.removeprefix("wears\n") for name in header[1:]]
+    marks = [Colored(share, [row[1:] for row in rows], *names)]
+    panel = Panel(x="true suit", y="believed suit", marks=marks)
+    title = f"Torque error by believed and true suit, green {LEAST:.0%}, red {MOST:.0%} and more"
+    return Plot(title=title, panels=[panel], height=1.4 + len(rows))
+
+
+def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
+    """Yields sentences about one believed suit: verdict with its range, limits, and relief.
+
+    Args:
+        found: Validation of that suit.
+        believed: Name of the believed suit.
+        suit: The believed suit.
     """
-
-    errors: Mapping[str, Mapping[str, list[CurveError]]]
-    notes: Sequence[str] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns everything as plain values."""
-        found = {
-            suit: {
-                joint: {"verdict": _worst(errors), "curves": [asdict(one) for one in errors]}
-                for joint, errors in by_joint.items()
-            }
-            for suit, by_joint in self.errors.items()
-        }
-        return {"limits": LIMITS, "suits": found}
-
-    def tables(self) -> dict[str, Rows]:
-        """Returns the errors of all curves, by title."""
-        return {"Torque, predicted less measured": curve_table(self.errors)}
-
-    def sentences(self) -> list[str]:
-        """Returns the verdict on each joint of each suit."""
-        verdicts = [
-            f"{suit}, {joint}: {_worst(errors)}"
-            for suit, by_joint in self.errors.items()
-            for joint, errors in by_joint.items()
-        ]
-        return [*self.notes, *verdicts, f"{RULE} Of curves, the worst one decides."]
+    nrmse = found.torque.nrmse
+    if nrmse is None:
+        yield f"{believed}: {NOTHING}, as the true suit resists no assisted joint"
+    elif found.same:
+        yield f"{believed}: no verdict, since it is the true suit too; {_covered(found)}"
+    else:
+        yield (
+            f"{believed}: {found.verdict} for {_ranges(found)}; torque error "
+            f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
+        )
+    yield from _beyond(found, believed, suit)
+    silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
+    if silent:
+        yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
+    if found.relief is None:
+        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+        return
+    yield (
+        f"relief {interval_text(found.relief)}, "
+        f"{interval_text(found.difference)} beside the true model's; "
+        f"{interval_text(found.share_of_true)} of it, and "
+        f"{interval_text(found.share_of_bound)} of the best known plan's"
+    )
 
 
-def _worst(errors: Sequence[CurveError]) -> str:
-    return verdict(max(error.nrmse for error in errors))
+def _ranges(found: Validation) -> str:
+    """Returns the angles that the motions covered, by joint."""
+    covered = found.torque.covered.items()
+    return ", ".join(f"{joint} from {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered)
+
+
+def _covered(found: Validation) -> str:
+    return f"the motions cover {_ranges(found)}"
+
+
+def _beyond(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
+    """Yields joints that moved beyond the range in which they were identified."""
+    for joint, (low, high) in found.torque.covered.items():
+        least, most = suit.joints[joint].range
+        if low < least - 0.05 or high > most + 0.05:
+            yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
+
+
+def answer(
+    found: Validation, believed: str, suit: Suit, policy: str, evaluation: Evaluation
+) -> Iterator[str]:
+    """Yields how well a controller with an identified model works, and what that leaves out.
+
+    Args:
+        found: Validation of the suit where its own model and samples are the true ones.
+        believed: Name of the suit.
+        suit: The suit.
+        policy: Policy that believes it.
+        evaluation: Motions of that policy beside those of the references.
+    """
+    joints = {joint: suit.joints[joint] for joint in found.torque.covered}
+    nrmse = found.torque.nrmse
+    if nrmse is None:
+        return
+    count = max(len(entry.samples) for entry in joints.values())
+    yield _plain_words(policy, evaluation)
+    relief = f"a relief of {interval_text(found.relief)}"
+    if found.relief is None:
+        relief = "no relief that has a meaning, as the suit costs less than 1 % of strength,"
+    yield (
+        f"{policy} with this model has {relief} and a torque error of {nrmse.value:.1%} "
+        f"({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak, where the true suit is drawn among "
+        f"the model and {count} others that its curves allow"
+    )
+    yield f"no verdict, since a suit says nothing against itself; {_covered(found)}"
+    yield from _beyond(found, believed, suit)
+    left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
+    yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
+
+
+def _plain_words(policy: str, evaluation: Evaluation) -> str:
+    """Returns whether the wearer works less than without exoskeleton, and what limits that."""
+    (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
+    suited, true = (np.array(evaluation.scores[name].effort) for name in ("suited", TRUE))
+    effort = np.array(own.effort)
+    text = (
+        f"with {policy} and this model the wearer works {_compared(effort, suited)} without "
+        f"exoskeleton (effort {effort.mean():.1%} against {suited.mean():.1%} of strength), "
+        f"and {_compared(effort, true)} with the true model ({true.mean():.1%})"
+    )
+    if _compared(true, suited) == LESS:
+        return text
+    text += ": the limit is the controller and its motors here, not your measurement"
+    if evaluation.relief("suited") is None:
+        unsuited = float(np.mean(evaluation.scores["unsuited"].effort))
+        return f"{text}; there is little to give back, as the effort without suit is {unsuited:.1%}"
+    return text if policy == "compensation" else f"{text}; try --policy compensation"
+
+
+def _compared(effort: Array, other: Array) -> str:
+    """Returns how the effort of the same motions compares with another, by its 95 % interval."""
+    apart = mean_interval(effort - other)
+    return LESS if apart.high < 0 else "more than" if apart.low > 0 else "as much as"
+
+
+def _covered_by(cells: Cells) -> str:
+    """Returns a sentence that names the angles which the motions of all cells covered."""
+    ends: dict[str, list[float]] = {}
+    for found in cells.values():
+        for joint, covered in found.torque.covered.items():
+            ends.setdefault(joint, []).extend(covered)
+    ranges = [f"{joint} {min(one):.2f} to {max(one):.2f} rad" for joint, one in ends.items()]
+    return f"The motions covered {', '.join(ranges) or 'no joint that is judged'}."
+
+
+def names_of(suits: Iterable[str]) -> dict[str, str]:
+    """Returns short names of suits: of a file without its folder, where that is enough."""
+    suits = list(dict.fromkeys(suits))
+    short = [Path(suit).stem if suit.endswith(".json") else suit for suit in suits]
+    return {
+        suit: name if short.count(name) == 1 else suit
+        for suit, name in zip(suits, short, strict=True)
+    }
+
+
+def _axes(cells: Cells) -> Iterator[list[str]]:
+    """Yields the names of the believed suits, then of the true ones."""
+    return (list(dict.fromkeys(names)) for names in zip(*cells, strict=True))
+
+
+def _cell(found: Validation) -> str:
+    if found.torque.nrmse is None:
+        return NOTHING
+    relief = "-" if found.relief is None else f"{found.relief.value:.2f}"
+    return f"{found.torque.nrmse.value:.1%}\nrelief {relief}\n{found.verdict or SAME}"

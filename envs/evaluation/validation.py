@@ -14,6 +14,7 @@ from ...arrays import Array
 from ...assets import JOINTS, AnySuit, SuitJoint
 from ...checks import at_least
 from ...errors import InputError
+from ...tables import Rows
 from ..belief import Belief
 from ..levels import NOMINAL
 from ..making import make_arms
@@ -34,6 +35,12 @@ one that is 30 % wrong. The straight spring through the middle of a loop has 0.2
 without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
+RULE = (
+    "The verdict is by the root mean square of the torque error over the largest true torque, of "
+    "the joint where the upper end of the 95 % interval is highest: "
+    + ", ".join(f"{name} up to {limit:.0%}" for name, limit in LIMITS.items())
+    + f", {NOT_VALID} beyond; and it holds for these angles only."
+)
 # Options with which the simulated suit is the one that is named.
 AS_IS = {"pressure": None, "preconditioned": False, "level": NOMINAL}
 TRUE, BOUND = "true model", "best-known-plan"
@@ -124,11 +131,7 @@ class Validation:
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values, the verdict first."""
         nrmse = self.torque.nrmse
-        return {
-            "verdict": self.verdict,
-            "nrmse": nrmse and nrmse.to_dict(),
-            **asdict(self),
-        }
+        return {"verdict": self.verdict, "nrmse": nrmse and nrmse.to_dict(), **asdict(self)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +192,7 @@ def compare_beliefs(
     at_least("motions", motions, FEWEST_MOTIONS)
     joints = believed_joints(env_id, believed, policy, **env_options)
     policies: dict[str, Any] = {TRUE: policy, BOUND: BOUND}
-    policies |= {_named(name): with_belief(policy, suit) for name, suit in believed.items()}
+    policies |= {f"by {name}": with_belief(policy, suit) for name, suit in believed.items()}
     options = {"motions": motions, "seed": seed, "on_policy": on_policy, **env_options}
     found = evaluate(env_id, policies, **options)
     as_is = all(env_options.get(other, usual) == usual for other, usual in AS_IS.items())
@@ -202,7 +205,7 @@ def compare_beliefs(
             share_of_true=found.share_of_bound(one, TRUE),
             share_of_bound=found.share_of_bound(one, BOUND),
         )
-        for name, one in ((name, _named(name)) for name in believed)
+        for name, one in ((name, f"by {name}") for name in believed)
     }
 
 
@@ -251,16 +254,23 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
         InputError: There are fewer than 8 motions.
         PoleError: A motion meets the pole of an uncertified model.
     """
-    angles = {name: [one.angle[:, JOINTS.index(name)] for one in traces] for name in believed}
-    true = {name: [-one.suit_torque[:, JOINTS.index(name)] for one in traces] for name in believed}
-    judged = [name for name in believed if _largest(true[name]) >= LEAST_TORQUE]
-    times = [one.time for one in traces]
+
+    def along(name: str, motions: Callable[[Trace], Array]) -> list[Array]:
+        return [motions(one)[:, JOINTS.index(name)] for one in traces]
+
+    angles = {name: along(name, lambda one: one.angle) for name in believed}
+    true = {name: along(name, lambda one: -one.suit_torque) for name in believed}
+    judged = {
+        name: joint
+        for name, joint in believed.items()
+        if max(float(np.abs(one).max()) for one in true[name]) >= LEAST_TORQUE
+    }
     expected = {
         name: [
-            believed[name].response(angle, time=time)
-            for angle, time in zip(angles[name], times, strict=True)
+            joint.response(angle, time=one.time)
+            for angle, one in zip(angles[name], traces, strict=True)
         ]
-        for name in judged
+        for name, joint in judged.items()
     }
     dt = float(traces[0].time[0])
 
@@ -271,11 +281,12 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
         )
         return torque_error(one, other, dt)
 
+    whole = {name: np.concatenate(angles[name]) for name in judged}
     return TorqueErrors(
         joints={name: error([name]) for name in judged},
-        together=error(judged) if judged else None,
-        covered={name: _span(angles[name]) for name in judged},
-        noise={name: noise_of(believed[name]) for name in judged},
+        together=error([*judged]) if judged else None,
+        covered={name: (float(one.min()), float(one.max())) for name, one in whole.items()},
+        noise={name: noise_of(joint) for name, joint in judged.items()},
     )
 
 
@@ -338,16 +349,9 @@ def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) ->
         error, largest = joint.response(angle) - torque, np.abs(torque).max()
         if largest == 0:
             raise InputError(f"curve {name!r} has no torque: leave it out")
-        rms = float(np.sqrt(np.mean(error**2)))
-        found.append(
-            CurveError(
-                curve=name,
-                rms=rms,
-                peak=float(np.abs(error).max()),
-                bias=float(error.mean()),
-                nrmse=rms / float(largest),
-            )
-        )
+        rms, peak = float(np.sqrt(np.mean(error**2))), float(np.abs(error).max())
+        sizes = {"rms": rms, "peak": peak, "bias": float(error.mean())}
+        found.append(CurveError(curve=name, **sizes, nrmse=rms / float(largest)))
     return found
 
 
@@ -364,18 +368,6 @@ def noise_of(joint: SuitJoint) -> float | None:
     return joint.fit_nrmse * float(np.abs(joint.response(loop)).max())
 
 
-def _named(suit: str) -> str:
-    return f"by {suit}"
-
-
-def _largest(series: Sequence[Array]) -> float:
-    return max(float(np.abs(one).max()) for one in series)
-
-
-def _span(series: Sequence[Array]) -> tuple[float, float]:
-    return min(float(one.min()) for one in series), max(float(one.max()) for one in series)
-
-
 def _root_interval(squares: Sequence[float]) -> Interval:
     """Returns the interval of a root mean square from mean squares of motions."""
     found = interval_of(lambda mean: np.sqrt(np.maximum(mean, 0)), squares)
@@ -387,3 +379,49 @@ def _correlation(rows: Array, one: Array) -> Array:
     rows, one = rows - rows.mean(axis=1, keepdims=True), one - one.mean()
     size = np.linalg.norm(rows, axis=1) * np.linalg.norm(one)
     return np.divide(rows @ one, size, out=np.zeros_like(size), where=size > 0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvePrediction:
+    """What suits predict of measured curves.
+
+    Attributes:
+        errors: Errors of each curve, by suit and joint.
+        notes: Curves that test nothing, as sentences.
+    """
+
+    errors: Mapping[str, Mapping[str, list[CurveError]]]
+    notes: Sequence[str] = ()
+
+    @property
+    def _curves(self) -> dict[tuple[str, str], list[CurveError]]:
+        """The errors by suit and joint."""
+        return {(suit, joint): one for suit, of in self.errors.items() for joint, one in of.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns everything as plain values."""
+        found: dict[str, dict[str, Any]] = {suit: {} for suit in self.errors}
+        for (suit, joint), errors in self._curves.items():
+            curves = [asdict(one) for one in errors]
+            found[suit][joint] = {"verdict": _worst(errors), "curves": curves}
+        return {"limits": LIMITS, "suits": found}
+
+    def tables(self) -> dict[str, Rows]:
+        """Returns the errors of all curves, by title."""
+        header = ["suit", "joint", "curve", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]"]
+        rows = []
+        for names, errors in self._curves.items():
+            for one in errors:
+                sizes = (f"{value:z.2f}" for value in (one.rms, one.peak, one.bias))
+                rows.append([*names, one.curve, *sizes, f"{100 * one.nrmse:.1f}"])
+        return {"Torque, predicted less measured": ([*header, "RMS of the\npeak [%]"], rows)}
+
+    def sentences(self) -> list[str]:
+        """Returns the verdict on each joint of each suit."""
+        found = self._curves.items()
+        verdicts = [f"{suit}, {joint}: {_worst(errors)}" for (suit, joint), errors in found]
+        return [*self.notes, *verdicts, f"{RULE} Of curves, the worst one decides."]
+
+
+def _worst(errors: Sequence[CurveError]) -> str:
+    return verdict(max(error.nrmse for error in errors))

@@ -27,11 +27,10 @@ from ..extras import STANDARD
 from ..person import Person, isometric_strength, passive_torque, strength_limits
 from ..simulation.inverse_dynamics import Chain
 from ..simulation.simulation import Simulation
-from .constraint import constraint_torques
-from .mapping import AXES, OWN, THIRD
+from .mapping import AXES, OWN, THIRD, constraint_torques
 from .metabolic import MODELS, muscle_masses
 from .myoarm import Geometry, MyoArm
-from .sharing import Cost, share
+from .sharing import Cost, shared
 
 SOFTNESS = 0.01  # [N²·m²], see `Cost`
 LINEAR = 0.05  # coefficient of a² beside that of a times volume, and of a² beside that of a³
@@ -152,7 +151,17 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
         raise InputError(
             f"a motion has {len(trace.time)} samples: muscles need 3 or more, for accelerations"
         )
-    scale = strength_scale(trace)
+    low, high = strength_limits(_average(), trace.angle, np.zeros_like(trace.angle))
+    ratio = trace.strength / np.stack([-low, high], axis=1)
+    if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():
+        raise InputError(
+            f"the strength of this wearer is from {ratio.min():.2f} to {ratio.max():.2f} of the "
+            "average man's, joint by joint and over time, and MyoArm is scaled by one factor: "
+            "leave fatigue out"
+        )
+    scale = float(ratio.mean())
+    pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)
+    beyond = trace.effort[:, None] * trace.strength - np.maximum(pull, 0)  # the net torque
     dt = float(trace.time[1] - trace.time[0])
     acceleration = np.gradient(trace.rate, dt, axis=0)
     torque, _ = constraint_torques(trace.dressed, trace.angle, trace.rate, acceleration)
@@ -161,7 +170,7 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
         scale=scale,
         torque=torque,
         elastic=passive_torque(scale * _average(), trace.angle, np.zeros_like(trace.rate)),
-        contraction=_contraction(trace),
+        contraction=np.maximum(beyond.min(axis=1), 0),
         geometry=arm.geometry(trace.angle, trace.rate, threads=threads),
         dt=dt,
     )
@@ -192,14 +201,10 @@ def share_among_muscles(
         against = antagonists(geometry.arms[:, OWN], demand.torque[:, OWN])
         arms = np.concatenate([arms, against], axis=1)
         wanted = np.concatenate([wanted, demand.contraction / demand.scale], axis=1)
-    samples, rows, muscles = arms.shape
-    activation, reserve = np.empty((samples, muscles)), np.empty((samples, rows))
-    share(
-        *(arms, geometry.full, wanted, equal, np.full((samples, muscles), convention.least)),
-        np.full(muscles, np.nan) if before is None else before,
-        *(demand.dt, _cost(convention.cost, arm), activation, reserve),
-        np.empty(samples),
-    )
+    least = np.full_like(geometry.full, convention.least)
+    known = np.full(least.shape[1], np.nan) if before is None else before
+    flat = (arms, geometry.full, wanted, equal, least, known, demand.dt)
+    activation, reserve = shared(*flat, _cost(convention.cost, arm))
     power = MODELS[convention.metabolic](arm, geometry, activation)
     return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal])
 
@@ -217,13 +222,10 @@ def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
 
 def _cost(name: str, arm: MyoArm) -> Cost:
     """Returns what is least; beside cube or volume a small square makes the answer unique."""
-    flat = np.zeros(len(arm.muscles))
-    if name == "cubes":
-        return Cost(flat, LINEAR, 1.0, SOFTNESS)
-    if name == "volume":
-        mass = muscle_masses(arm)
-        return Cost(mass / mass.mean(), LINEAR, 0.0, SOFTNESS)
-    return Cost(flat, 1.0, 0.0, SOFTNESS)
+    mass = muscle_masses(arm)
+    linear = mass / mass.mean() if name == "volume" else np.zeros_like(mass)
+    square, cubic = (1.0, 0.0) if name == "squares" else (LINEAR, float(name == "cubes"))
+    return Cost(linear, square, cubic, SOFTNESS)
 
 
 def antagonists(arms: Array, torque: Array) -> Array:
@@ -236,25 +238,5 @@ def antagonists(arms: Array, torque: Array) -> Array:
     return np.maximum(np.where(torque[..., None] < 0, arms, -arms), 0)
 
 
-def strength_scale(trace: Trace | Moments) -> float:
-    """Returns the wearer's strength over that of the average man."""
-    low, high = strength_limits(_average(), trace.angle, np.zeros_like(trace.angle))
-    ratio = trace.strength / np.stack([-low, high], axis=1)
-    if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():
-        raise InputError(
-            f"the strength of this wearer is from {ratio.min():.2f} to {ratio.max():.2f} of the "
-            "average man's, joint by joint and over time, and MyoArm is scaled by one factor: "
-            "leave fatigue out"
-        )
-    return float(ratio.mean())
-
-
 def _average() -> Array:
     return isometric_strength(Person.percentile("male", 50))
-
-
-def _contraction(trace: Trace | Moments) -> Array:
-    """Returns the co-contraction of each joint [N·m]: what effort has beyond the net torque."""
-    pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)
-    beyond = trace.effort[:, None] * trace.strength - np.maximum(pull, 0)
-    return np.maximum(beyond.min(axis=1), 0)

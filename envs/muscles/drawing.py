@@ -89,18 +89,11 @@ class LiveMuscles:
     def _shared(self) -> Array:
         """Returns the activations that give the torque of the last period."""
         measured = np.array(self._rows)
-        series = {
-            name: measured[:, COLUMNS[name]] for name in ("angle", "rate", "human_torque", "effort")
-        }
-        moments = Moments(
-            time=measured[:, TIME],
-            **series,
-            strength=strength_left(
-                self._simulation.state.muscles.strength[0], series["angle"], None
-            ),
-            fatigue=None,
-            dressed=self._simulation.dressed(0),
-        )
+        names, state = ("angle", "rate", "human_torque", "effort"), self._simulation.state
+        angle, rate, torque, effort = (measured[:, COLUMNS[name]] for name in names)
+        strength = strength_left(state.muscles.strength[0], angle, None)
+        worn = self._simulation.dressed(0)
+        moments = Moments(measured[:, TIME], angle, rate, torque, effort, strength, None, worn)
         demand = demand_of(moments, self._arm, threads=1).last()
         convention = CONVENTIONS[STANDARD]
         found = share_among_muscles(self._arm, demand, convention, before=self._activation)

@@ -27,7 +27,7 @@ from ..model.config import GRAVITY, NO_SUIT, place_of
 from ..tasks import TASKS
 from .analysis import antagonists
 from .myoarm import lean, myoarm_spec, quiet
-from .sharing import Cost, share
+from .sharing import Cost, shared
 
 JOINT, OURS = "elbow_flexion_r", "elbow_flexion"
 DT, SUBSTEPS = 0.01, 5
@@ -85,8 +85,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.model = _elbow(suit, GRAVITY[place])
         self.data = mujoco.MjData(self.model)
         self.muscles = tuple(self.model.actuator(i).name for i in range(self.model.nu))
-        flat = np.zeros(self.model.nu)
-        self._cost = Cost(flat, 1.0, 0.0, SOFTNESS)
+        self._cost = Cost(np.zeros(self.model.nu), 1.0, 0.0, SOFTNESS)
         self._crossing = np.abs(self._arms(0.9)[0]) > CROSSING
         self.action_space = Box(-1, 1, (1,), np.float32)
         self.observation_space = Box(-np.inf, np.inf, (4,), np.float32)
@@ -132,9 +131,11 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def stiffness(self) -> float:
         """Returns the stiffness of the muscles at their present activation [N·m/rad]."""
-        h, angle = 1e-4, float(self.data.qpos[0])
-        low, high = (self._torque(angle + step) for step in (-h, h))
-        return (low - high) / (2 * h)
+        step, torques = 1e-4, []
+        for angle in (self.data.qpos[0] - step, self.data.qpos[0] + step):
+            arms, full, slack = self._arms(float(angle))
+            torques.append(float(arms @ (full * self.data.act + slack)))
+        return (torques[0] - torques[1]) / (2 * step)
 
     @property
     def inertia(self) -> float:
@@ -142,11 +143,6 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         found = np.zeros((1, 1))
         mujoco.mj_fullM(self.model, self.data, found)
         return float(found[0, 0])
-
-    def _torque(self, angle: float) -> float:
-        """Returns the muscles' torque at rest, at an angle and at the present activation [N·m]."""
-        arms, full, slack = self._arms(angle)
-        return float(arms @ (full * self.data.act + slack))
 
     def _arms(self, angle: float, *, moving: bool = False) -> tuple[Array, Array, Array]:
         """Returns moment arms [m], force at full activation and passive force [N]."""
@@ -174,11 +170,9 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         arms, full, slack = self._arms(float(self.data.qpos[0]), moving=True)
         wanted = np.array([[torque - arms @ slack, self.contraction]])
         against = antagonists(arms[None, None], wanted[:, :1])
-        activation, reserve = np.empty((1, self.model.nu)), np.empty((1, 2))
         rows, least = np.concatenate([arms[None, None], against], axis=1), np.zeros((1, full.size))
         free = np.full(full.size, np.nan)
-        flat = (rows, full[None], wanted, 1, least, free, np.inf, self._cost)
-        share(*flat, activation, reserve, np.empty(1))
+        activation, reserve = shared(rows, full[None], wanted, 1, least, free, np.inf, self._cost)
         return activation[0], float(reserve[0, 0])
 
     def _excitation(self, activation: Array) -> Array:

@@ -10,11 +10,20 @@ Muscles give torque about seven axes. The third is neither ours nor MyoArm's: it
 our first two. Where the arm points forward the humerus lies on the axis of abduction, so that
 abduction and rotation of the humerus are one axis, and a torque about both says the same twice. The
 perpendicular axis says what is missing in every posture.
+
+A hinge carries every moment across its axis. In a body muscles must give it, or bones and
+ligaments, or an exoskeleton. What the wearer's limb, the suit on it and the load at its hand put on
+these axes is the wearer's here; an exoskeleton carries the share of its own parts in its bearings.
+Suit and motors act about our four axes only.
 """
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
+from ..simulation.inverse_dynamics import AXIS, CENTER, INERTIA, MASS, POSITION, STIFFNESS, Chain
 
 AXES = (
     *("abduction", "shoulder flexion", "shoulder's third axis", "elbow flexion"),
@@ -27,6 +36,8 @@ OWN = (0, 1, 3, 5)
 
 THIRD = 2
 LEAST = 1e-3  # [rad], least elevation
+_TO_BODY = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+"""Forward, up and right from the frame of the torso, which is forward, left and up."""
 
 
 def turn(axis: int, angle: Array) -> Array:
@@ -91,3 +102,91 @@ def shoulder_axes(angle: Array) -> Array:
     abduction = np.broadcast_to([-1.0, 0.0, 0.0], (len(angle), 3))
     flexion = turn(0, -angle[:, 0])[:, :, 2]
     return np.stack([abduction, flexion, np.cross(abduction, flexion)], axis=2)
+
+
+def constraint_torques(
+    chain: Chain, angle: Array, rate: Array, acceleration: Array
+) -> tuple[Array, Array]:
+    """Returns what moves an arm along a motion, about all seven axes of `AXES`.
+
+    Args:
+        chain: Links of one arm, dressed as it is.
+        angle: Joint angles [rad], shape (samples, 4).
+        rate: Joint rates [rad/s], the same shape.
+        acceleration: Joint accelerations [rad/s²], the same shape.
+
+    Returns:
+        torque: Torques [N·m], shape (samples, 7).
+        axes: The axes, forward, up and right, shape (samples, 7, 3).
+    """
+    moment, links = _moments(_right(chain), angle, rate, acceleration)
+    abduction, flexion, elbow, wrist = np.moveaxis(links[:, :, :, 0], 1, 0)
+    forearm, hand = links[:, 2, :, 1], links[:, 3, :, 1]
+    axes = np.stack(
+        [
+            *(abduction, flexion, np.cross(abduction, flexion)),
+            *(elbow, forearm, wrist, np.cross(hand, wrist)),
+        ],
+        axis=1,
+    )
+    about = moment[:, [0, 0, 0, 2, 2, 3, 3]]
+    return (axes * about).sum(axis=2), axes @ _TO_BODY.T
+
+
+def _right(chain: Chain) -> Chain:
+    """Returns a left arm as a right one, its mirror image."""
+    if chain.links[0, 0, POSITION + 1] < 0:
+        return chain
+    links, aside = chain.links.copy(), np.array([1.0, -1.0, 1.0])
+    links[..., POSITION:AXIS] *= aside
+    links[..., AXIS:MASS] *= -aside  # an axis of rotation is a pseudovector
+    links[..., CENTER:INERTIA] *= aside
+    links[..., INERTIA:STIFFNESS] *= [1, 1, 1, -1, 1, -1]
+    return replace(chain, links=links, gravity=chain.gravity * aside)
+
+
+def _moments(chain: Chain, angle: Array, rate: Array, acceleration: Array) -> tuple[Any, Any]:
+    """Returns the moment at each joint, and axis and direction of the link below, in the torso.
+
+    Newton's and Euler's laws link by link, as `simulation.inverse_dynamics` has them in scalars for
+    the four axes of the joints alone.
+    """
+    links, samples = chain.links[0], len(angle)
+    turning, spun = np.zeros((samples, 3)), np.zeros((samples, 3))
+    pull = np.broadcast_to(-chain.gravity[0], (samples, 3))  # acceleration of the joint's origin
+    frame = np.broadcast_to(np.eye(3), (samples, 3, 3))
+    arms, forces, moments, found = [], [], [], []
+    for i, link in enumerate(links):
+        arm, axis = frame @ link[POSITION:AXIS], frame @ link[AXIS:MASS]
+        pull = pull + np.cross(spun, arm) + np.cross(turning, np.cross(turning, arm))
+        speed, change = rate[:, i, None], acceleration[:, i, None]
+        spun = spun + axis * change + np.cross(turning, axis) * speed
+        turning = turning + axis * speed
+        frame = frame @ _about(link[AXIS:MASS], angle[:, i])
+        center = frame @ link[CENTER:INERTIA]
+        xx, yy, zz, xy, xz, yz = link[INERTIA:STIFFNESS]
+        own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        inertia = frame @ own @ np.swapaxes(frame, 1, 2)
+        force = link[MASS] * (
+            pull + np.cross(spun, center) + np.cross(turning, np.cross(turning, center))
+        )
+        swirl = np.einsum("nij,nj->ni", inertia, turning)
+        moment = np.einsum("nij,nj->ni", inertia, spun) + np.cross(turning, swirl)
+        arms.append(arm)
+        forces.append(force)
+        moments.append(moment + np.cross(center, force))
+        found.append(np.stack([axis, frame[:, :, 2]], axis=2))
+    total, bend, at_joints = np.zeros((samples, 3)), np.zeros((samples, 3)), []
+    for arm, force, moment in zip(arms[::-1], forces[::-1], moments[::-1], strict=True):
+        total, bend = total + force, bend + moment
+        at_joints.append(bend)
+        bend = bend + np.cross(arm, total)
+    return np.stack(at_joints[::-1], axis=1), np.stack(found, axis=1)
+
+
+def _about(axis: Array, angle: Array) -> Array:
+    """Returns rotations about a unit vector (Rodrigues), shape (samples, 3, 3)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    return np.eye(3) + s * cross + (1 - c) * (cross @ cross)

@@ -34,14 +34,10 @@ _TENSION = Quantity(
     "and heats are twice as large",
     "assumed",
 )
-_SLOW = Quantity(
-    *("metabolic.slow_fibres", 0.5, "1"),
-    *("OpenSim's default for muscles of unknown composition", "assumed"),
-)
-_LEAST_HEAT = Quantity(
-    *("metabolic.least_heat", 1.0, "W/kg"),
-    *(f"Umberger et al. (2003), page 104; {_UMBERGER}", "transcribed"),
-)
+_UNKNOWN = "OpenSim's default for muscles of unknown composition"
+_SLOW = Quantity("metabolic.slow_fibres", 0.5, "1", _UNKNOWN, "assumed")
+_REST = f"Umberger et al. (2003), page 104; {_UMBERGER}"
+_LEAST_HEAT = Quantity("metabolic.least_heat", 1.0, "W/kg", _REST, "transcribed")
 _OF_UMBERGER = {
     "aerobic": (1.5, "1"),
     "active": (25.0, "W/kg"),

@@ -197,13 +197,8 @@ class MyoArm:
             mujoco.mj_comPos(model, data)
             mujoco.mj_tendon(model, data)
             mujoco.mj_transmission(model, data)
-            mujoco.mju_sparse2dense(
-                moment,
-                data.actuator_moment,
-                data.moment_rownnz,
-                data.moment_rowadr,
-                data.moment_colind,
-            )
+            sparse = (data.moment_rownnz, data.moment_rowadr, data.moment_colind)
+            mujoco.mju_sparse2dense(moment, data.actuator_moment, *sparse)
             lengthening = moment @ self.coupled
             length[i] = span + (data.actuator_length - low) / self.optimal
             speed[i] = lengthening @ (own[i] @ rate[i])

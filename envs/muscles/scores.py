@@ -1,8 +1,9 @@
-"""The score of muscles: metabolic power and activation of motions."""
+"""The score of muscles: metabolic power and activation of motions, and a picture of those."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from ...errors import InputError, unknown_name
 from ..evaluation.rollout import Trace
@@ -15,16 +16,18 @@ from .analysis import (
     Shared,
     check_wearer,
     demand_of,
+    muscle_activation,
     share_among_muscles,
 )
-from .figures import activation_figure
 from .metabolic import LEAST_HEAT, muscle_masses
-from .myoarm import MyoArm
+from .myoarm import GROUPS, MyoArm
 
 FULL = 0.999  # activation from which a muscle counts as saturated
 LOADED = 3  # muscles that are named
 FEWEST_SAMPLES = 3
 MOST_OUTSIDE = 0.5
+COLORS = "magma_r"
+DARKEST = 99.5  # percentile of all activations that has the darkest color
 
 
 def muscle_scores(
@@ -120,6 +123,35 @@ def _limits(demand: Demand, shared: Shared) -> list[float]:
         (shared.activation > FULL).any(axis=1).mean(),
         demand.geometry.outside.mean(),
     ]
+
+
+def activation_figure(motions: Mapping[str, Trace]) -> Figure:
+    """Draws activation over time as heat maps side by side, one a motion, muscles by group.
+
+    Args:
+        motions: The same intended motion under some conditions, by the name of each.
+    """
+    names = MyoArm.load().muscles
+    rows = [names.index(name) for group in GROUPS.values() for name in group]
+    found = {title: muscle_activation(motion) for title, motion in motions.items()}
+    most = float(np.percentile(np.concatenate(list(found.values())), DARKEST))
+    figure = Figure(figsize=(2.2 + 4.3 * len(motions), 7.2), layout="constrained")
+    grid = figure.subplots(1, len(motions), sharey=True, squeeze=False)[0]
+    ends, shown = np.cumsum([len(group) for group in GROUPS.values()]), None
+    for ax, (title, motion) in zip(grid, motions.items(), strict=True):
+        style = {"aspect": "auto", "cmap": COLORS, "interpolation": "nearest"}
+        extent = (0, motion.time[-1], len(rows) - 0.5, -0.5)
+        shown = ax.imshow(found[title][:, rows].T, vmin=0, vmax=most, extent=extent, **style)
+        mean = np.sqrt(np.mean(found[title] ** 2))
+        ax.set(title=f"{title}: root mean square {mean:.1%}", xlabel="time [s]")
+        for end in ends[:-1]:
+            ax.axhline(end - 0.5, color="0.4", lw=0.8)
+    grid[0].set_yticks(range(len(rows)), [names[row] for row in rows], fontsize=7.5)
+    style = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "center", "fontsize": 9}
+    for end, (name, group) in zip(ends, GROUPS.items(), strict=True):
+        grid[0].annotate(name.replace(" ", "\n"), (-0.17, end - (len(group) + 1) / 2), **style)
+    figure.colorbar(shown, ax=grid, label="activation", extend="max", pad=0.01)  # pyright: ignore
+    return figure
 
 
 SCORE = Score(

@@ -47,6 +47,26 @@ class Cost(NamedTuple):
     softness: float
 
 
+class Problem(NamedTuple):
+    """One torque to share among muscles.
+
+    Attributes:
+        lever: Torque of each muscle at full activation [N·m], shape (axes, muscles).
+        wanted: Torques [N·m], shape (axes,).
+        equal: Number of rows that are equations; the others are inequalities.
+        low: Least activation, shape (muscles,).
+        high: Greatest activation, shape (muscles,).
+        cost: What is minimized.
+    """
+
+    lever: Array
+    wanted: Array
+    equal: int
+    low: Array
+    high: Array
+    cost: Cost
+
+
 @inner
 def activated(drive: float, square: float, cubic: float) -> float:
     """Returns the activation whose marginal cost is `drive`, at least 0."""
@@ -58,17 +78,9 @@ def activated(drive: float, square: float, cubic: float) -> float:
 
 
 @inner
-def evaluate(
-    x: Array,
-    lever: Array,
-    wanted: Array,
-    low: Array,
-    high: Array,
-    cost: Cost,
-    a: Array,
-    miss: Array,
-) -> float:
+def evaluate(x: Array, of: Problem, a: Array, miss: Array) -> float:
     """Computes activations and what the equations miss; returns the dual function."""
+    lever, wanted, cost = of.lever, of.wanted, of.cost
     axes, muscles = lever.shape
     value = 0.0
     for k in range(axes):
@@ -79,7 +91,7 @@ def evaluate(
         for k in range(axes):
             earned += lever[k, m] * x[k]
         each = activated(earned - cost.linear[m], cost.square, cost.cubic)
-        each = min(max(each, low[m]), high[m])
+        each = min(max(each, of.low[m]), of.high[m])
         a[m] = each
         price = cost.linear[m] + each * (0.5 * cost.square + each * cost.cubic / 3.0)
         value += each * (earned - price)
@@ -121,30 +133,20 @@ def farthest(x: Array, miss: Array, equal: int) -> float:
 
 
 @inner
-def newton(
-    x: Array,
-    lever: Array,
-    equal: int,
-    low: Array,
-    high: Array,
-    cost: Cost,
-    a: Array,
-    miss: Array,
-    hessian: Array,
-    step: Array,
-) -> None:
+def newton(x: Array, of: Problem, a: Array, miss: Array, hessian: Array, step: Array) -> None:
     """Computes the step of Newton's method; unknowns that stay at their bound do not move."""
+    lever, cost = of.lever, of.cost
     axes, muscles = lever.shape
     step[:], hessian[:] = -miss, 0.0
     for k in range(axes):
         hessian[k, k] = cost.softness
     for m in range(muscles):
-        if low[m] < a[m] < high[m]:
+        if of.low[m] < a[m] < of.high[m]:
             slope = 1.0 / (cost.square + 2.0 * cost.cubic * a[m])
             for k in range(axes):
                 for i in range(k + 1):
                     hessian[k, i] += slope * lever[k, m] * lever[i, m]
-    for k in range(equal, axes):
+    for k in range(of.equal, axes):
         if x[k] <= 0.0 and miss[k] > 0.0:
             hessian[k, :k], hessian[k + 1 :, k] = 0.0, 0.0
             step[k], hessian[k, k] = 0.0, 1.0
@@ -152,53 +154,39 @@ def newton(
 
 
 @inner
-def minimize(
-    x: Array,
-    lever: Array,
-    wanted: Array,
-    equal: int,
-    low: Array,
-    high: Array,
-    cost: Cost,
-    a: Array,
-) -> float:
+def minimize(x: Array, of: Problem, a: Array) -> float:
     """Shares one torque; returns the greatest miss [N·m].
 
     Args:
         x: Unknowns of the dual, whose start is improved in place, shape (axes,).
-        lever: Torque of each muscle at full activation [N·m], shape (axes, muscles).
-        wanted: Torques [N·m], shape (axes,).
-        equal: Number of rows that are equations; the others are inequalities.
-        low: Least activation, shape (muscles,).
-        high: Greatest activation, shape (muscles,).
-        cost: What is minimized.
+        of: The torque to share.
         a: The activations, shape (muscles,).
     """
     axes = x.size
     miss, before = np.empty(axes), np.empty(axes)
     step, other = np.empty(axes), np.empty(axes)
     hessian = np.empty((axes, axes))
-    value = evaluate(x, lever, wanted, low, high, cost, a, miss)
+    value = evaluate(x, of, a, miss)
     for _ in range(TRIES):
-        if farthest(x, miss, equal) < CLOSE:
+        if farthest(x, miss, of.equal) < CLOSE:
             break
-        newton(x, lever, equal, low, high, cost, a, miss, hessian, step)
+        newton(x, of, a, miss, hessian, step)
         before[:] = miss
         length, new = 1.0, value
         for _ in range(HALVINGS):
             promised = 0.0
             for k in range(axes):
                 other[k] = x[k] + length * step[k]
-                if k >= equal:
+                if k >= of.equal:
                     other[k] = max(other[k], 0.0)
                 promised += before[k] * (other[k] - x[k])
-            new = evaluate(other, lever, wanted, low, high, cost, a, miss)
+            new = evaluate(other, of, a, miss)
             if new <= value + SLOPE * promised + ROUNDING * abs(value):
                 break
             length *= 0.5
         x[:] = other
         value = new
-    return farthest(x, miss, equal)
+    return farthest(x, miss, of.equal)
 
 
 @njit(cache=True, nogil=True)
@@ -244,6 +232,23 @@ def share(
                 high[m] = max(low[m], 1.0 - (1.0 - a) * math.exp(-dt / (0.01 * change)))
             for k in range(axes):
                 lever[k, m] = arms[n, k, m] * force[n, m]
-        missed[n] = minimize(x, lever, wanted[n], equal, low, high, cost, activation[n])
+        missed[n] = minimize(x, Problem(lever, wanted[n], equal, low, high, cost), activation[n])
         for k in range(axes):
             reserve[n, k] = cost.softness * x[k]
+
+
+def shared(
+    arms: Array,
+    force: Array,
+    wanted: Array,
+    equal: int,
+    least: Array,
+    before: Array,
+    dt: float,
+    cost: Cost,
+) -> tuple[Array, Array]:
+    """Returns the activations of `share`, and the torque that muscles do not give [N·m]."""
+    activation, reserve = np.empty_like(force), np.empty_like(wanted)
+    given = (arms, force, wanted, equal, least, before, dt, cost)
+    share(*given, activation, reserve, np.empty(len(force)))
+    return activation, reserve

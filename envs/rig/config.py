@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import AnySuit, SuitJoint, load_suit
@@ -13,7 +14,6 @@ from ...errors import InputError, shown, unknown_name
 from ...hysteresis import HysteresisModel
 from ...published import LI_TURNS
 from ..provenance import Quantity
-from .motion import reversals
 
 TURNS = {f"{joint}_flexion": turns for joint, turns in LI_TURNS.items()}  # rad
 LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
@@ -34,6 +34,13 @@ PROVENANCE: tuple[Quantity, ...] = (
     Quantity("rig.sample_rate", SAMPLE_RATE, "Hz", "0.004 rad between samples", "assumed"),
     Quantity("rig.noise", NOISE, "N·m", "about 1 % of a suit's elbow torque", "assumed"),
 )
+
+
+def reversals(angle: Array) -> NDArray[np.intp]:
+    """Returns the indices of the first angle, of those where the motion turns, and of the last."""
+    moving = np.flatnonzero(np.append(True, np.diff(angle) != 0))
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(angle[moving])))) + 1
+    return np.array([0, *moving[turns], moving[-1]])
 
 
 class Specimen(NamedTuple):
@@ -112,13 +119,23 @@ class RigConfig:
         turns = numbers("turns", self.turns, "rad") if np.size(self.turns) else ()
         if not (turns or self.motion or isinstance(self.suit, HysteresisModel)):
             usual = None if isinstance(self.suit, SuitJoint) else TURNS.get(self.joint)
-            turns = usual or _fifths(start, specimen.range[1])
+            way = specimen.range[1] - start
+            turns = usual or tuple(round(start + i / 5 * way, 4) for i in range(1, 6))
         object.__setattr__(self, "turns", tuple(specimen.inside("turn", turn) for turn in turns))
-        _check_turns(self.turns, start)
+        names = {f"{turn:.2f}" for turn in self.turns}
+        near = any(abs(turn - start) < LEAST_TRAVEL for turn in self.turns)
+        if near or len(names) < len(self.turns):
+            raise InputError(
+                f"turns are {', '.join(f'{turn:g}' for turn in self.turns)} rad, from {start:g} "
+                f"rad: give turns that differ from the start and each other by {LEAST_TRAVEL:g} "
+                "rad or more"
+            )
         at_least("repeats", self.repeats, 1)
         check_seed(self.seed)
-        _within("rate", self.rate, RATE_RANGE, "rad/s")
-        _within("sample_rate", self.sample_rate, SAMPLE_RATE_RANGE, "Hz")
+        ranges = {"rate": (*RATE_RANGE, "rad/s"), "sample_rate": (*SAMPLE_RATE_RANGE, "Hz")}
+        for name, (low, high, unit) in ranges.items():
+            if not low <= number(name, value := getattr(self, name), unit) <= high:
+                raise InputError(f"{name} is {value:g} {unit}: give {low:g} to {high:g}")
         number("drift", self.drift, "N·m/s")
         for name in ("noise", "bearing_friction"):
             if number(name, value := getattr(self, name), "N·m") < 0:
@@ -164,34 +181,24 @@ class RigConfig:
             )
         return tuple((now, at) for now, at in turns.tolist())
 
+    @property
+    def start(self) -> float:
+        """The angle at which all curves begin [rad]."""
+        assert self.start_angle is not None
+        return self.start_angle
+
     def specimen(self) -> Specimen:
         """Returns the joint to measure."""
         if isinstance(self.suit, HysteresisModel):
             return Specimen("the model", self.suit)
         if isinstance(self.suit, SuitJoint):
-            return _specimen("the joint", self.suit)
-        suit = load_suit(self.suit)
-        if self.joint not in suit.joints:
-            raise unknown_name(f"joint of suit {suit.name!r}", self.joint, suit.joints)
-        return _specimen(self.joint, suit.joints[self.joint])
-
-
-def _specimen(name: str, entry: SuitJoint) -> Specimen:
-    return Specimen(name, entry.model, entry.start_angle, entry.start_torque, entry.range)
-
-
-def _fifths(start: float, end: float) -> tuple[float, ...]:
-    return tuple(round(start + i / 5 * (end - start), 4) for i in range(1, 6))
-
-
-def _check_turns(turns: tuple[float, ...], start: float) -> None:
-    """Checks that every turn makes a curve, and that no two curves have one name."""
-    names = {f"{turn:.2f}" for turn in turns}
-    if len(names) < len(turns) or any(abs(turn - start) < LEAST_TRAVEL for turn in turns):
-        raise InputError(
-            f"turns are {', '.join(f'{turn:g}' for turn in turns)} rad, from {start:g} rad: give "
-            f"turns that differ from the start and each other by {LEAST_TRAVEL:g} rad or more"
-        )
+            name, entry = "the joint", self.suit
+        else:
+            name, suit = self.joint, load_suit(self.suit)
+            if name not in suit.joints:
+                raise unknown_name(f"joint of suit {suit.name!r}", name, suit.joints)
+            entry = suit.joints[name]
+        return Specimen(name, entry.model, entry.start_angle, entry.start_torque, entry.range)
 
 
 def _check_rates(turns: Array) -> None:
@@ -205,9 +212,3 @@ def _check_rates(turns: Array) -> None:
                 f"the motion goes {distance:.3g} rad in {duration:.3g} s from {begin:g} s on, at "
                 f"{rate:.3g} rad/s: give {low:g} to {high:g} rad/s"
             )
-
-
-def _within(name: str, value: float, allowed: tuple[float, float], unit: str) -> None:
-    low, high = allowed
-    if not low <= number(name, value, unit) <= high:
-        raise InputError(f"{name} is {value:g} {unit}: give {low:g} to {high:g}")

@@ -6,8 +6,11 @@ suit shows the inertia and the friction of the bearings, and the torque that the
 planned motion is subtracted. The axis is vertical, so that weight has no moment.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -19,22 +22,38 @@ from ...errors import InputError
 from ...hysteresis.engine import attach, fault_slots
 from ...hysteresis.protocol import finite_series
 from ..provenance import Quantity
-from .config import SAME, RigConfig, Specimen
-from .motion import Plan, Way, duration, plan_motion, reversals
+from .config import SAME, RigConfig, Specimen, reversals
 
 Indices = NDArray[np.int64]
 
 RIG = FOLDER / "mjcf" / "rig.xml"
 JOINT = "joint"
 STEP = 0.001  # s; the torsion bar of rig.xml oscillates by a quarter of a radian meanwhile
+RAMP = 0.5  # [s], time from rest to full rate
 DWELL = 0.5  # [s], rest before each curve
 PATIENCE = 3600.0  # s, the longest curve
 ZEROING = 50  # readings without the suit before each curve, whose mean is the sensor's zero
 
 PROVENANCE: tuple[Quantity, ...] = (
+    Quantity("rig.ramp", RAMP, "s", "long beside the servo's time constant of 0.01 s", "assumed"),
     Quantity("rig.dwell", DWELL, "s", "longer than the servo takes to settle", "assumed"),
     Quantity("rig.zeroing", ZEROING, "1", "makes the zero 7 times as sure as a reading", "assumed"),
 )
+
+
+class Plan(NamedTuple):
+    """The planned motion of the motor: angle [rad], rate and acceleration per step, (n,) each."""
+
+    angle: Array
+    rate: Array
+    acceleration: Array
+
+
+class Way(NamedTuple):
+    """First angle, reversals and last angle [rad], and the rate of each branch [rad/s]."""
+
+    points: Sequence[float]
+    rates: Sequence[float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +125,7 @@ def _curves(config: RigConfig) -> dict[str, Way]:
         pairs = np.array(config.motion)
         time, angle = pairs[:, 0], pairs[:, 1]
         return {"motion": Way(angle.tolist(), np.abs(np.diff(angle) / np.diff(time)).tolist())}
-    start, rates = _start(config), [config.rate] * 2 * config.repeats
+    start, rates = config.start, [config.rate] * 2 * config.repeats
     return {
         f"{turn:.2f}": Way([start, *[turn, start] * config.repeats], rates) for turn in config.turns
     }
@@ -121,7 +140,7 @@ def _motions(
         series = finite_series(f"motion {name!r}", angles, "rad")
         if np.ptp(series) == 0:
             raise InputError(f"motion {name!r} stays at {series[0]:g} rad: let it move")
-        if abs(series[0] - _start(config)) > SAME:
+        if abs(series[0] - config.start) > SAME:
             raise InputError(
                 f"motion {name!r} begins at {series[0]:g} rad: let it begin at the start_angle, "
                 f"{config.start_angle:g} rad"
@@ -132,26 +151,14 @@ def _motions(
     return ways
 
 
-def _start(config: RigConfig) -> float:
-    assert config.start_angle is not None
-    return config.start_angle
-
-
 def _compose(config: RigConfig, specimen: Specimen | None = None) -> mujoco.MjModel:
     """Returns the rig with the specimen in it, or empty."""
     spec = mujoco.MjSpec.from_file(str(RIG))
     spec.option.timestep = STEP
     spec.joint(JOINT).frictionloss = config.bearing_friction
     if specimen:
-        attach(
-            spec,
-            JOINT,
-            specimen.model,
-            start_angle=config.start_angle,
-            start_torque=specimen.start_torque,
-            sensors=False,
-            allow_uncertified=True,
-        )
+        start = {"start_angle": config.start_angle, "start_torque": specimen.start_torque}
+        attach(spec, JOINT, specimen.model, **start, sensors=False, allow_uncertified=True)
     return spec.compile()
 
 
@@ -190,9 +197,9 @@ def _readings(
 def _move(config: RigConfig, rig: mujoco.MjModel, name: str, plan: Plan) -> Array:
     """Returns twist and angle of the joint [rad] at each step of a plan, shape (n, 2)."""
     data = mujoco.MjData(rig)
-    data.qpos[:] = _start(config)
+    data.qpos[:] = config.start
     command, sensors = data.ctrl, data.sensordata
-    command[:] = _start(config), 0.0
+    command[:] = config.start, 0.0
     mujoco.mj_step(rig, data, round(DWELL / STEP))
     measured = np.empty((plan.angle.size, sensors.size))
     for i, setpoint in enumerate(zip(plan.angle, plan.rate, strict=True)):
@@ -215,3 +222,50 @@ def _move(config: RigConfig, rig: mujoco.MjModel, name: str, plan: Plan) -> Arra
 
 def _rounded(values: Array, resolution: float | None) -> Array:
     return values if resolution is None else resolution * np.round(values / resolution)
+
+
+def plan_motion(way: Way, time_step: float) -> Plan:
+    """Plans a motion through its reversals; it begins and ends at rest.
+
+    Args:
+        way: Reversals, and the rates between them; a short branch does not reach its rate.
+        time_step: Time between two steps [s].
+    """
+    rest = np.array([[way.points[0]], [0.0], [0.0]])
+    branches = (_branch(*branch, time_step) for branch in _branches(way))
+    return Plan(*np.concatenate([rest, *branches], axis=1))
+
+
+def duration(way: Way) -> float:
+    """Returns the duration of such a motion [s]."""
+    return sum(
+        abs(end - start) / _top(start, end, rate) + RAMP for start, end, rate in _branches(way)
+    )
+
+
+def _branches(way: Way) -> Iterator[tuple[float, float, float]]:
+    return ((*ends, rate) for ends, rate in zip(pairwise(way.points), way.rates, strict=True))
+
+
+def _branch(start: float, end: float, rate: float, time_step: float) -> Array:
+    """Returns angle, rate and acceleration of a branch without its first instant, shape (3, n).
+
+    Rate and acceleration are continuous and vanish at both ends, so that the servo can follow.
+    """
+    distance = abs(end - start)
+    top = _top(start, end, rate)
+    total = distance / top + RAMP
+    time = np.minimum(np.arange(1, math.ceil(total / time_step) + 1) * time_step, total)
+    left = total - time
+    speeding, braking = time < RAMP, left < RAMP
+    phase = math.pi * np.minimum(np.minimum(time, left) / RAMP, 1)
+    ramp_way = top * RAMP / (2 * math.pi) * (phase - np.sin(phase))
+    way = np.select([speeding, braking], [ramp_way, distance - ramp_way], top * (time - RAMP / 2))
+    speed = top * np.sin(phase / 2) ** 2
+    acceleration = math.pi * top / (2 * RAMP) * np.sin(phase) * np.where(speeding, 1, -1)
+    sign = math.copysign(1.0, end - start)
+    return np.array([start + sign * way, sign * speed, sign * acceleration])
+
+
+def _top(start: float, end: float, rate: float) -> float:
+    return min(rate, abs(end - start) / RAMP)

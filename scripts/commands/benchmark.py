@@ -1,34 +1,17 @@
 """`activesuit benchmark`: compares controllers over tasks, levels and suits."""
 
-from dataclasses import replace
 from json import loads
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 
-from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial
+from ...envs.benchmark import BASELINE, SUITES, Benchmark, Result, Suite, Trial, run_trial
 from ...envs.benchmark import suite as make_suite
-from ...envs.benchmark.report import (
-    benchmark_remarks,
-    best_policies,
-    contract_remarks,
-    difference_rows,
-    level_rows,
-    page,
-    profile_plot,
-    task_rows,
-)
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
-from ...envs.benchmark.score_report import Said, benchmark_says
-from ...envs.benchmark.standings import FIXED, Standings
-from ...envs.extras import SCORES
-from ...envs.making import make_arms
-from ...envs.policies import make_policy, needed_options
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
-from ...tables import Rows
 from ..backends import Backend, check_backend, run_all
 from ..folders import RunFolder, to_json
 from ..options import Force, Json, Scores, Trust, choice, optional_number
@@ -86,126 +69,49 @@ def benchmark(
     if what == "run":
         if results:
             raise InputError(f"run takes no results, and {str(results[0])!r} is given: use table")
-        chosen = make_suite(
-            suite,
-            policies=policies,
-            tasks=tasks,
-            levels=levels,
-            believed=believed,
-            motions=motions,
-            options=environment,
-            scores=score,
-            trust=trust,
-        )
+        names = {"policies": policies, "tasks": tasks, "levels": levels, "believed": believed}
+        more = {"motions": motions, "options": environment, "scores": score, "trust": trust}
+        chosen = make_suite(suite, **names, **more)
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
         if policies or believed or environment:
-            _check(chosen)
-        _check_scores(chosen)
+            chosen.check()
+        chosen.check_scores()
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)
-        folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {**_config(chosen), "backend": backend})
+        _report(found, folder, json, {**_plain(chosen), "backend": backend})
         return
-    found = read_results(results)
+    found = Benchmark(read_results(results))
     folder = RunFolder(out, force=force) if out else None
     if what == "table":
-        if folder:
-            folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {"results": results}, "benchmark-table")
-    else:
-        _compare(Standings(found), policies or (BASELINE,), json)
-
-
-def _check(chosen: Suite) -> None:
-    """Reports mistakes in policies and suits before anything has run."""
-    for trial in replace(chosen, tasks=chosen.tasks[:1]).trials:
-        if trial.label not in FIXED:
-            options = {**chosen.environment(trial.setting), **needed_options(trial.policy)}
-            arms = make_arms(f"ActiveSuit/{trial.setting.task}-v0", 1, **options)
-            make_policy(trial.policy, arms)
-            arms.close()
-
-
-def _check_scores(chosen: Suite) -> None:
-    """Reports a score that no task can have, before anything has run."""
-    for name in chosen.scores:
-        refused: InputError | None = None
-        for setting in {one.task: one for one in chosen.settings}.values():
-            arms = make_arms(f"ActiveSuit/{setting.task}-v0", 1, **chosen.environment(setting))
-            try:
-                SCORES.find(name).check(arms.episodes.simulation)
-            except InputError as error:
-                refused = error
-            else:
-                refused = None
-                break
-        if refused is not None:
-            raise refused
-
-
-def _report(
-    found: list[Result],
-    folder: RunFolder | None,
-    json: bool,
-    settings: dict[str, Any],
-    command: str = "benchmark",
-) -> None:
-    standings = Standings(found)
-    scores = benchmark_says(found)
-    tables = _tables(standings, scores)
-    failed = [one for one in found if one.failed]
-    report = Report(
-        heading="Benchmark of controllers",
-        about=f"{standings.count} trials",
-        result={"trials": [loads(one.to_json()) for one in found]},
-        tables=tables,
-        answer=[
-            *best_policies(standings),
-            *(sentence for one in scores.values() for sentence in one.remarks),
-            *benchmark_remarks(found),
-            *contract_remarks(standings),
-            *(f"{x.policy} failed in {x.task} at {x.level}: {x.failed}" for x in failed),
-        ],
-        plots={"profiles": profile_plot(standings)},
-        settings={**settings, **standings.protocol},
-    )
-    if folder:
-        folder.text("tables.md", page(standings, "# Controllers compared", "profiles.png", scores))
-    conclude(report, folder, json)
-
-
-def _tables(standings: Standings, scores: dict[str, Said]) -> dict[str, Rows]:
-    """Returns the tables of all levels by their titles."""
-    levels = standings.levels
-    tables = {f"{one}: all tasks": level_rows(standings, one) for one in levels}
-    tables |= {f"{one}: success and relief by task": task_rows(standings, one) for one in levels}
-    return tables | {title: rows for one in scores.values() for title, rows in one.tables.items()}
-
-
-def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> None:
-    if len(policies) < 2:
-        raise InputError("compare needs two policies: add --policies compensation adaptive")
-    first, *others = policies
-    tables = {other: difference_rows(standings, other, first) for other in others}
+        _report(found, folder, json, {"results": results})
+        return
+    given = policies or (BASELINE,)
+    tables = found.differences(given)
     if json:
-        print(
-            to_json(
-                {
-                    name: [dict(zip(h, r, strict=True)) for r in rows]
-                    for name, (h, rows) in tables.items()
-                }
-            )
-        )
+        named = {
+            name: [dict(zip(header, row, strict=True)) for row in rows]
+            for name, (header, rows) in tables.items()
+        }
+        print(to_json(named))
         return
     for name, rows in tables.items():
-        table(f"relief of {name} less that of {first}", *rows)
+        table(f"relief of {name} less that of {given[0]}", *rows)
+
+
+def _report(found: Benchmark, folder: RunFolder | None, json: bool, given: dict[str, Any]) -> None:
+    if folder:
+        folder.text(RESULTS, lines(found.results))
+        folder.text("tables.md", found.page())
+    settings = given | found.protocol
+    about = f"{found.count} trials"
+    conclude(Report.of(found, "Benchmark of controllers", about, settings=settings), folder, json)
 
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """Opens the folder of a new benchmark, or of one that goes on."""
-    wanted, path = _config(chosen), out / CONFIG
+    wanted, path = _plain(chosen), out / CONFIG
     present = read_json(path, "configuration of the benchmark") if path.exists() else None
     begun = present if isinstance(present, dict) and "contract" in present else {}
     folder = RunFolder(out, force=force, resumes=bool(begun))
@@ -220,26 +126,12 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     return folder
 
 
-def _config(chosen: Suite) -> dict[str, Any]:
+def _plain(chosen: Suite) -> dict[str, Any]:
     """Returns what config.json holds."""
-    return loads(
-        to_json(
-            {
-                "suite": chosen.name,
-                "contract": chosen.contract,
-                "tasks": chosen.tasks,
-                "levels": chosen.levels,
-                "believed": chosen.believed,
-                "motions": chosen.motions,
-                "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
-                **({"options": chosen.options} if chosen.options else {}),
-                **({"scores": chosen.scores} if chosen.scores else {}),
-            }
-        )
-    )
+    return loads(to_json(chosen.to_dict()))
 
 
-def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> list[Result]:
+def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> Benchmark:
     """Returns all results: reads those on disk, and runs and writes the others one by one."""
     trials = chosen.trials
     found = {trial.file_name: _load(folder, chosen, trial) for trial in trials}
@@ -250,7 +142,7 @@ def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> li
             write_text(folder / TRIALS / name, result.to_json() + "\n")
             found[name] = result
             bar.advance()
-    return [one for one in found.values() if one is not None]
+    return Benchmark([one for one in found.values() if one is not None])
 
 
 def _named(chosen: Suite, trial: Trial) -> tuple[str, Result]:
@@ -264,13 +156,10 @@ def _load(folder: RunFolder, chosen: Suite, trial: Trial) -> Result | None:
     content = read_text(path, "trial")
     found = Result.from_json(content, repr(str(path)))
     here = (*trial.setting, trial.label, chosen.contract)
-    if (*_setting(found), found.policy, found.protocol.get("contract")) != here:
+    named = found.task, found.level, found.believed, found.policy, found.protocol.get("contract")
+    if named != here:
         raise InputError(f"{str(path)!r} is the result of another trial: delete it")
     return found
-
-
-def _setting(result: Result) -> Setting:
-    return Setting(result.task, result.level, result.believed)
 
 
 def _kept(folder: RunFolder, chosen: Suite) -> str:

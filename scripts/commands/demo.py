@@ -189,7 +189,7 @@ def _report(
         tables[title] = score_table([*one.scores.values()], one)
         answer += [f"{gravity}: {sentence}" for sentence in one.sentences()]
         drawn = {policy: one.traces[policy][0] for policy in DRAWN}
-        for name, series in one.columns(FIRST_SEED + config["seed"]).items():
+        for name, series in one.columns().items():
             columns[f"{Path(name).stem}-{gravity}.csv"] = series
         for name, plot in motion_plots(drawn, gravity).items():
             if name in MOTIONS_DRAWN:

@@ -4,7 +4,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from importlib import metadata
 
@@ -84,96 +84,77 @@ def _checks(compile: bool) -> Iterator[Check]:
     yield Check(name=PACKAGE, ok=True, found=f"version {about['Version']}")
     python, wanted = platform.python_version(), about["Requires-Python"]
     ok = python in SpecifierSet(wanted, prereleases=True)
-    mend = "" if ok else f"use Python {wanted}"
-    yield Check(name="python", ok=ok, found=python, mend=mend)
-    yield from (_package(one) for one in requirements if one.marker is None)
-    yield _cache()
-    yield _plugins()
+    yield Check(name="python", ok=ok, found=python, mend="" if ok else f"use Python {wanted}")
+    for one in requirements:
+        if one.marker is None:
+            version, ok = _version(one)
+            mend = "" if ok else f"run pip install '{one.name}{one.specifier}'"
+            yield Check(name=one.name, ok=ok, found=version or "not installed", mend=mend)
+    yield _tried("kernel cache", _cache)
+    yield _tried("MuJoCo plugins", _plugins)
     if compile:
-        yield _kernels()
+        yield _tried("kernels", _kernels)
     yield _pictures()
     for extra in about.get_all("Provides-Extra") or ():
         if extra not in NOT_FOR_USERS:
-            parts = [one for one in requirements if one.marker and _is_of(one, extra)]
-            yield _extra(extra, parts)
+            yield _extra(extra, [one for one in requirements if _is_of(one, extra)])
 
 
 def _is_of(requirement: Requirement, extra: str) -> bool:
-    assert requirement.marker is not None
-    with_it, without = ({"extra": one} for one in (extra, ""))
-    return requirement.marker.evaluate(with_it) and not requirement.marker.evaluate(without)
+    marker = requirement.marker
+    return bool(marker) and marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
 
 
-def _version(requirement: Requirement) -> str | None:
-    """Returns the version that is installed, or None."""
+def _version(requirement: Requirement) -> tuple[str | None, bool]:
+    """Returns the version that is installed, or None, and whether the version fits."""
     try:
-        return metadata.version(requirement.name)
+        version = metadata.version(requirement.name)
     except metadata.PackageNotFoundError:
-        return None
-
-
-def _fits(requirement: Requirement) -> bool:
-    version = _version(requirement)
-    return version is not None and requirement.specifier.contains(version, prereleases=True)
-
-
-def _package(requirement: Requirement) -> Check:
-    ok = _fits(requirement)
-    mend = "" if ok else f"run pip install '{requirement.name}{requirement.specifier}'"
-    found = _version(requirement) or "not installed"
-    return Check(name=requirement.name, ok=ok, found=found, mend=mend)
+        return None, False
+    return version, requirement.specifier.contains(version, prereleases=True)
 
 
 def _extra(extra: str, parts: list[Requirement]) -> Check:
-    missing = [one.name for one in parts if not _fits(one)]
-    present = [f"{one.name} {_version(one)}" for one in parts if _fits(one)]
+    missing = [one.name for one in parts if not _version(one)[1]]
+    present = ", ".join(f"{one.name} {_version(one)[0]}" for one in parts)
     return Check(
         name=f"extra {extra}",
         ok=not missing,
-        found=f"lacks {', '.join(missing)}" if missing else ", ".join(present),
+        found=f"lacks {', '.join(missing)}" if missing else present,
         mend=f"run {install_line(extra)} in the clone to use it" if missing else "",
         needed=False,
     )
 
 
-def _cache() -> Check:
-    name = "kernel cache"
+def _tried(name: str, look: Callable[[], str]) -> Check:
+    """Returns a check that fails in any way that code can, as where a package is broken."""
     try:
-        from ...hysteresis.first_use import CACHE, cache_folder, check_cache
-
-        check_cache()
+        return Check(name=name, ok=True, found=look())
     except InputError as error:  # which importing the models raises too
         return Check(name=name, ok=False, found="cannot be used", mend=str(error))
-    folder = os.environ.get(CACHE) or cache_folder()
-    return Check(name=name, ok=True, found=f"{folder} (doctor --compile fills it)")
-
-
-def _plugins() -> Check:
-    name = "MuJoCo plugins"
-    try:
-        from ...envs.model import bushing
-        from ...hysteresis import engine
-
-        names = [*engine.register(), bushing.PLUGIN_NAME]
-    except Exception as error:  # a broken package fails in any way that code can
-        return _broken(name, error)
-    return Check(name=name, ok=True, found=f"{len(names)} are registered")
-
-
-def _kernels() -> Check:
-    name = "kernels"
-    try:
-        from ..compiling import compile_kernels
-
-        new = compile_kernels()
     except Exception as error:
-        return _broken(name, error)
-    return Check(name=name, ok=True, found=f"all are compiled, {new or 'none'} of them now")
+        why = f"{type(error).__name__}: {error}"
+        return Check(name=name, ok=False, found=why, mend="mend what fails above, or reinstall it")
 
 
-def _broken(name: str, error: Exception) -> Check:
-    why = f"{type(error).__name__}: {error}"
-    return Check(name=name, ok=False, found=why, mend="mend what fails above, or reinstall it")
+def _cache() -> str:
+    from ...hysteresis.first_use import CACHE, cache_folder, check_cache
+
+    check_cache()
+    return f"{os.environ.get(CACHE) or cache_folder()} (doctor --compile fills it)"
+
+
+def _plugins() -> str:
+    from ...envs.model import bushing
+    from ...hysteresis import engine
+
+    return f"{len([*engine.register(), bushing.PLUGIN_NAME])} are registered"
+
+
+def _kernels() -> str:
+    from ..compiling import compile_kernels
+
+    return f"all are compiled, {compile_kernels() or 'none'} of them now"
 
 
 def _pictures() -> Check:
@@ -199,11 +180,9 @@ def _pictures() -> Check:
 
 def _drawing(backend: str) -> subprocess.Popen:
     environment = {name: value for name, value in os.environ.items() if name != "MUJOCO_GL"}
-    if backend:
-        environment["MUJOCO_GL"] = backend
     return subprocess.Popen(
         [sys.executable, "-c", PICTURE],
-        env=environment,
+        env=environment | ({"MUJOCO_GL": backend} if backend else {}),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ...envs.rig import Record, RigConfig, run_rig
+from ...envs.rig import RigConfig, run_rig
 from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
 from ...errors import InputError
 from ...identification import Curve, load_motion, save_curves
@@ -61,72 +61,58 @@ def rig(
         out: Folder for the curves (JOINT.csv), result.json, report.html and the loops as PNG and
             SVG: a new or an empty one.
     """
+    pairs: tuple[tuple[float, float], ...] = ()
+    if motion:
+        found = load_motion(motion, joint)
+        if found.time is None:
+            raise InputError(
+                f"{motion} has no column time_s: add it, since the rig needs the rates"
+            )
+        pairs = tuple(zip(found.time.tolist(), found.angle.tolist(), strict=True))
+    device = {"rate": rate, "sample_rate": sample_rate, "noise": noise, "drift": drift}
+    device |= {"torque_resolution": torque_resolution, "angle_resolution": angle_resolution}
     config = RigConfig(
-        suit=suit,
-        joint=joint,
-        turns=turns,
-        start_angle=start_angle,
-        repeats=repeats,
-        rate=rate,
-        sample_rate=sample_rate,
-        noise=noise,
-        drift=drift,
-        torque_resolution=torque_resolution,
-        angle_resolution=angle_resolution,
-        bearing_friction=bearing_friction,
-        seed=seed,
-        motion=_pairs(motion, joint) if motion else (),
+        **{"suit": suit, "joint": joint, "turns": turns, "start_angle": start_angle},
+        **{"repeats": repeats, "bearing_friction": bearing_friction, "seed": seed},
+        **{"motion": pairs, **device},
     )
     if motion and predict is not None:
         raise InputError("--predict belongs to first-order curves: leave it out beside --motion")
     kept_out = _kept_out(config.turns, predict)
     folder = RunFolder.of(out, "rig", force=force)
-    _report(config, kept_out, run_rig(config), folder, json)
-
-
-def _report(
-    config: RigConfig,
-    kept_out: Sequence[float],
-    records: Sequence[Record],
-    folder: RunFolder,
-    json: bool,
-) -> None:
     names = {f"{turn:.2f}" for turn in kept_out}
     curves = [
-        Curve(
-            one.angle,
-            one.torque,
-            one.name,
-            "predict" if one.name in names else "fit",
-            time=one.time,
-        )
-        for one in records
+        Curve(x.angle, x.torque, x.name, "predict" if x.name in names else "fit", time=x.time)
+        for x in run_rig(config)
     ]
-    path = folder / f"{config.joint}.csv"
-    title = f"{config.suit}, {config.joint.replace('_', ' ')}"
-    measured = [_summary(curve) for curve in curves]
-    header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
-    rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
+    path, title = folder / f"{joint}.csv", f"{suit}, {joint.replace('_', ' ')}"
     save_curves(path, curves, comments=(f"Measured on the simulated rig: {title}.",))
+    measured = [
+        {
+            **{"name": curve.name, "role": curve.role, "samples": curve.angle.size},
+            "peak_torque": float(np.abs(curve.torque).max()),
+            "work": float(np.trapezoid(curve.torque, curve.angle)),
+        }
+        for curve in curves
+    ]
+    header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
+    rows = [[f"{v:z.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
     settings = {**asdict(config), "predict": kept_out}
+    answer = (
+        f"The rig measured {len(curves)} curves, of which "
+        f"{sum(curve.role == 'predict' for curve in curves)} are kept out of a fit to test it; the "
+        f"largest torque is {max(one['peak_torque'] for one in measured):.2f} N·m."
+    )
     report = Report(
         heading="Measured on the simulated rig",
         about=title,
         result={"curves": path, "measured": measured, "config": settings},
         tables={title: (header, rows)},
-        answer=[_answer(curves), f"next: activesuit identify {path}"],
-        plots={"loops": loops_plot(config.joint, {"": compared(curves)})},
+        answer=[answer, f"next: activesuit identify {path}"],
+        plots={"loops": loops_plot(joint, {"": compared(curves)})},
         settings=settings,
     )
     conclude(report, folder, json)
-
-
-def _pairs(path: Path, joint: str) -> tuple[tuple[float, float], ...]:
-    """Returns times [s] and angles [rad] of a file."""
-    found = load_motion(path, joint)
-    if found.time is None:
-        raise InputError(f"{path} has no column time_s: add it, since the rig needs the rates")
-    return tuple(zip(found.time.tolist(), found.angle.tolist(), strict=True))
 
 
 def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[float]:
@@ -140,22 +126,3 @@ def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[f
     if set(predict) == set(turns):
         raise InputError(f"predict has all turns, {listed} rad: leave some of them to be fitted")
     return list(predict)
-
-
-def _answer(curves: Sequence[Curve]) -> str:
-    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
-    kept_out = sum(curve.role == "predict" for curve in curves)
-    return (
-        f"The rig measured {len(curves)} curves, of which {kept_out} are kept out of a fit to test "
-        f"it; the largest torque is {peak:.2f} N·m."
-    )
-
-
-def _summary(curve: Curve) -> dict[str, str | int | float]:
-    return {
-        "name": curve.name,
-        "role": curve.role,
-        "samples": curve.angle.size,
-        "peak_torque": float(np.abs(curve.torque).max()),
-        "work": float(np.trapezoid(curve.torque, curve.angle)),
-    }

@@ -5,15 +5,9 @@ from typing import Any
 
 from ...checks import check_seed
 from ...envs.evaluation import rollout, score
-from ...envs.evaluation.failures import why_remarks
 from ...envs.evaluation.figures import motion_plots
-from ...envs.evaluation.report import (
-    cuff_remarks,
-    effort_table,
-    outcome,
-    score_table,
-    trace_columns,
-)
+from ...envs.evaluation.report import effort_table, score_table, trace_columns
+from ...envs.evaluation.sentences import cuff_remarks, outcome, why_remarks
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..folders import RunFolder

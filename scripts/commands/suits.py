@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
@@ -42,7 +42,11 @@ def suits(
     suit = load_suit(name)
     problems = [f"{joint} {what}" for joint, e in suit.joints.items() if (what := _problem(e))]
     if json:
-        print(to_json(_content(suit, safe=not problems)))
+        content = {**suit.model_dump(), "safe": not problems}
+        for joint, entry in suit.joints.items():
+            content["joints"][joint]["certificate"] = asdict(entry.model.certificate())
+            content["joints"][joint]["loss_factor"] = _loss_factor(entry)
+        print(to_json(content))
     else:
         _show(suit)
     if problems:
@@ -55,39 +59,21 @@ def suits(
 
 
 def _list(json: bool) -> None:
-    shipped = [load_suit(name) for name in suit_names()]
-    if json:
-        fields = {"label", "pressure_kpa", "description"}
-        found = {
-            suit.name: {
-                **suit.model_dump(include=fields),
-                "joints": [*suit.joints],
-                "loss_factor": {j: _loss_factor(e) for j, e in suit.joints.items()},
-            }
-            for suit in shipped
+    found, rows = {}, []
+    for suit in map(load_suit, suit_names()):
+        found[suit.name] = {
+            **suit.model_dump(include={"label", "pressure_kpa", "description"}),
+            "joints": [*suit.joints],
+            "loss_factor": {joint: _loss_factor(entry) for joint, entry in suit.joints.items()},
         }
+        joints = (joint.removesuffix("_flexion").replace("_", " ") for joint in suit.joints)
+        rows.append([suit.name, suit.label or "-", ", ".join(joints), _pressure(suit)])
+    if json:
         print(to_json(found))
         return
-    rows = [
-        [
-            suit.name,
-            suit.label or "-",
-            ", ".join(joint.removesuffix("_flexion").replace("_", " ") for joint in suit.joints),
-            _pressure(suit),
-        ]
-        for suit in shipped
-    ]
     table("suits", ["name", "label", "joints", "pressure"], rows)
-    for suit in shipped:
-        say(f"{suit.name}: {suit.description}\n")
-
-
-def _content(suit: Suit, *, safe: bool) -> dict[str, Any]:
-    content = {**suit.model_dump(), "safe": safe}
-    for joint, entry in suit.joints.items():
-        content["joints"][joint]["certificate"] = asdict(entry.model.certificate())
-        content["joints"][joint]["loss_factor"] = _loss_factor(entry)
-    return content
+    for name, about in found.items():
+        say(f"{name}: {about['description']}\n")
 
 
 def _show(suit: Suit) -> None:
@@ -110,23 +96,20 @@ def _pressure(suit: Suit) -> str:
     return "unknown" if suit.pressure_kpa is None else f"{suit.pressure_kpa:g} kPa"
 
 
-def _softening(entry: SuitJoint) -> str:
-    if entry.softening is None:
-        return "-"
-    softening = entry.softening
-    return f"{softening.first:.3g}, {softening.steady:.3g},\n{softening.cycles:.3g} cycles"
-
-
 def _column(entry: SuitJoint) -> dict[str, str]:
     low, high = entry.range
     torques = sorted(_end_torque(entry, sample) for sample in entry.samples)
+    change, factor = entry.softening, _loss_factor(entry)
+    softening = "-"
+    if change is not None:
+        softening = f"{change.first:.3g}, {change.steady:.3g},\n{change.cycles:.3g} cycles"
     return {
         "grade": entry.grade,
-        "torque of the first cycle,\nof many, falls to 1/e in": _softening(entry),
+        "torque of the first cycle,\nof many, falls to 1/e in": softening,
         "start [rad, N·m]": f"{entry.start_angle:.2f}, {entry.start_torque:.2f}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
         "torque at its end [N·m]": f"{_end_torque(entry, entry.model):.2f}",
-        "loss factor": "-" if (factor := _loss_factor(entry)) is None else f"{factor:.2f}",
+        "loss factor": "-" if factor is None else f"{factor:.2f}",
         "samples": str(len(torques)),
         "their torque there [N·m]": f"{torques[0]:.2f} .. {torques[-1]:.2f}" if torques else "-",
         "certificate margin": f"{entry.model.certificate().margin:.3f}",

@@ -8,9 +8,9 @@ import tyro
 from ...assets import load_suit
 from ...checks import once
 from ...envs.evaluation import FIRST_SEED
-from ...envs.evaluation.suit_validation import WEIGHTLESS, CurvePrediction
+from ...envs.evaluation.suit_validation import WEIGHTLESS
 from ...envs.evaluation.suit_validation import validate as validate_suits
-from ...envs.evaluation.validation import CurveError, curve_errors
+from ...envs.evaluation.validation import CurveError, CurvePrediction, curve_errors
 from ...errors import InputError
 from ...identification import load_curves
 from ..folders import RunFolder

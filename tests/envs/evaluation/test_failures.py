@@ -7,9 +7,8 @@ from typing import Any
 from activesuit.envs.benchmark import Result
 from activesuit.envs.benchmark.report import benchmark_remarks
 from activesuit.envs.benchmark.results import lines, read_results
-from activesuit.envs.evaluation.failures import why_remarks
-from activesuit.envs.evaluation.oscillation import Oscillation
-from activesuit.envs.evaluation.reasons import Reason, most_frequent
+from activesuit.envs.evaluation.reasons import Oscillation, Reason, most_frequent
+from activesuit.envs.evaluation.sentences import why_remarks
 from activesuit.envs.tasks.task import EVERYWHERE, TOLERANCES
 from activesuit.scripts.main import main
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from activesuit.envs.evaluation.oscillation import oscillation
+from activesuit.envs.evaluation.reasons import oscillation
 from scipy.signal import lfilter
 
 DT = 0.01

@@ -7,8 +7,7 @@ import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout, score
-from activesuit.envs.evaluation.oscillation import Oscillation
-from activesuit.envs.evaluation.reasons import Reason, most_frequent
+from activesuit.envs.evaluation.reasons import Oscillation, Reason, most_frequent
 from activesuit.envs.evaluation.scores import UNITS
 from activesuit.envs.policies import make_policy, needed_options
 from activesuit.envs.reward import is_success

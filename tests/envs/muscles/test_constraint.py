@@ -6,8 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.model import ArmConfig, compose
-from activesuit.envs.muscles.constraint import constraint_torques
-from activesuit.envs.muscles.mapping import OWN
+from activesuit.envs.muscles.mapping import OWN, constraint_torques
 from activesuit.envs.simulation.inverse_dynamics import STIFFNESS, Chain, arm_torques
 
 RNG = np.random.default_rng(2)

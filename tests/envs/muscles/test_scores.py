@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.envs.benchmark.costs import cost_of
 from activesuit.envs.evaluation import evaluate
+from activesuit.envs.evaluation.extra_scores import cost_of
 from activesuit.envs.muscles import CONVENTIONS, STANDARD, muscle_scores
 from activesuit.envs.muscles.scores import SCORE
 from activesuit.envs.person import Person, isometric_strength, strength_limits

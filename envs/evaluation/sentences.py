@@ -1,0 +1,188 @@
+"""Evaluations in sentences: what suit and policies cost, and why motions did not go well."""
+
+from collections.abc import Iterator, Sequence
+from statistics import fmean
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..model.cuffs import FORCE_LIMITS
+from .reasons import Frequent, most_frequent
+from .scores import REFERENCES, Score
+from .statistics import interval_text
+
+if TYPE_CHECKING:
+    from .compare import Evaluation
+
+SIDEWAYS = "shoulder_abduction"
+NOTED = 1.0  # [N·m], additional torque of abduction that is named
+LEAST = 0.01  # share of time at the peak torque that is worth a word
+# Words for a limit, the factor of its numbers, and their unit.
+_WORDS = {
+    "worst_joint": ("{part}", 1e3, "mrad"),
+    "effort": ("effort", 100, "%"),
+    "hand_error": ("hand", 1e3, "mm"),
+    "tilt": ("tilt of the hand", 1e3, "mrad"),
+    "slowness": ("hand too slow by", 100, "%"),
+    "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears"),
+    "heat": ("load of the {part} motor", 100, "% of continuous"),
+}
+# Limits that an arm without motors can exceed, in a sentence.
+_UNASSISTED = {
+    "worst_joint": "tracking",
+    "effort": "effort",
+    "hand_error": "the hand's place",
+    "tilt": "the hand's tilt",
+    "slowness": "the hand's speed",
+    "lost": "the arm's range",
+}
+
+
+def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
+    """Yields a sentence for each policy some of whose motions failed, frequent reasons first.
+
+    Another one follows where the suited arm without assistance exceeds a limit in none of the
+    motions in which the policy does, if its score is among them.
+    """
+    suited = next((one for one in scores if one.policy == REFERENCES[1]), None)
+    for one in scores:
+        failed = one.success.count(False)
+        if failed:
+            of = f" in {failed} of {len(one.success)} motions" if len(one.success) > 1 else ""
+            parts = [
+                exceeded(why) + (f" ({motions_text(why.motions)})" if why.motions < failed else "")
+                for why in most_frequent(one.why)
+            ]
+            yield f"{one.policy} failed{of}: {'; '.join([*parts, *_hot(one)])}"
+            kept = _kept_unassisted(one, suited) if suited else []
+            if kept and one.policy not in REFERENCES:
+                limits = "this limit" if len(kept) == 1 else "these limits"
+                yield (
+                    f"{one.policy}: without assistance the same motions stay within {limits}: "
+                    f"{', '.join(kept)}"
+                )
+
+
+def _kept_unassisted(score: Score, suited: Score) -> list[str]:
+    """Returns words for the limits that the suited arm keeps in all motions that exceed them."""
+    exceeded: dict[str, list[bool]] = {}
+    for mine, theirs in zip(score.why, suited.why, strict=True):
+        for reason in mine:
+            also = any(one.name == reason.name for one in theirs)
+            exceeded.setdefault(reason.name, []).append(also)
+    return [words for name, words in _UNASSISTED.items() if not any(exceeded.get(name, [True]))]
+
+
+def motions_text(count: int) -> str:
+    """Returns a number of motions in words."""
+    return "1 motion" if count == 1 else f"{count} motions"
+
+
+def exceeded(why: Frequent) -> str:
+    """Returns by how much a limit was exceeded, and when: the medians of these motions."""
+    part = (why.part or "").removesuffix("_flexion").replace("_", " ")
+    if why.name == "lost":
+        return f"arm lost at {why.time_s:.1f} s ({part})"
+    words, factor, unit = _WORDS[why.name]
+    size = f"{_number(factor * why.value)} {unit} of {_number(factor * why.limit)}"
+    said = f"{words.format(part=part)} {size} from {why.time_s:.1f} s"
+    if why.oscillation is None:
+        return said
+    period, amplitude = why.oscillation.period_s, _number(factor * why.oscillation.amplitude)
+    return f"{said}, oscillates with a period of {period:.2g} s, amplitude {amplitude} {unit}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+def _hot(score: Score) -> Iterator[str]:
+    """Yields motors that were hot, or gave their peak torque, in motions that failed."""
+    bad = ~np.array(score.success)
+    for joint, times in score.hot_from.items():
+        hot = np.array(times)[bad]
+        name = joint.removesuffix("_flexion")
+        if np.isfinite(hot).any():
+            yield f"{name} motor hot from {np.median(hot[np.isfinite(hot)]):.1f} s"
+        full = np.array(score.saturated[joint])[bad]
+        if full.max() >= LEAST:
+            yield f"{name} motor at its peak in {100 * np.median(full):.0f} % of the time"
+
+
+def story(evaluation: "Evaluation") -> Iterator[str]:
+    """Yields sentences: what suit and exoskeleton cost, and which policies carry the person."""
+    cost = evaluation.suit_cost
+    if cost is None:
+        return
+    suited = evaluation.scores["suited"]
+    unsuited, in_suit = (
+        100 * float(np.mean(evaluation.scores[name].effort)) for name in ("unsuited", "suited")
+    )
+    yield (
+        f"The suit {'raises' if cost.value > 0 else 'lowers'} the wearer's effort from "
+        f"{unsuited:.1f} to {in_suit:.1f} % of strength, a change of {100 * cost.value:.1f} "
+        f"({100 * cost.low:.1f} to {100 * cost.high:.1f}) points."
+    )
+    off = evaluation.scores.get("none")
+    if off is not None:
+        change = 100 * (np.mean(off.effort) - np.mean(suited.effort))
+        relief = evaluation.relief("none")
+        remark = "" if relief is None else f": relief {interval_text(relief)}"
+        yield f"The exoskeleton with its motors off adds {change:.1f} points{remark}."
+    yield from _abduction(evaluation)
+    reliefs = {name: evaluation.relief(name) for name in evaluation.scores if name != "unsuited"}
+    carry = [name for name, one in reliefs.items() if one is not None and one.low > 1]
+    if carry:
+        yield f"Relief above 1 carries the person too: {', '.join(carry)}."
+    if evaluation.relief("suited") is None:
+        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+
+
+def _abduction(evaluation: "Evaluation") -> Iterator[str]:
+    """Yields what the wearer's shoulder carries because no motor turns it aside."""
+    suited = evaluation.scores["suited"].human_rms[SIDEWAYS]
+    others = {
+        name: score.human_rms[SIDEWAYS]
+        for name, score in evaluation.scores.items()
+        if name not in REFERENCES
+    }
+    name = min(others, key=lambda one: others[one], default="")
+    if name and others[name] > suited + NOTED:
+        yield (
+            f"The exoskeleton hangs beside the arm and no motor abducts it: under every policy the "
+            f"wearer gives {others[name]:.1f} N·m of abduction or more, and {suited:.1f} N·m "
+            "without exoskeleton, one joint of the four that effort is the mean of."
+        )
+
+
+def cuff_remarks(scores: Sequence[Score]) -> list[str]:
+    """Returns one sentence per policy with cuffs: the largest forces, and how much one can bear."""
+    return [
+        f"{score.policy}: cuff forces up to "
+        + ", ".join(
+            f"{force:.0f} N ({segment.replace('_', ' ')}; at most {FORCE_LIMITS[segment]:.0f})"
+            for segment, force in score.cuff_peak.items()
+        )
+        for score in scores
+        if score.cuff_peak
+    ]
+
+
+def guard_remarks(scores: Sequence[Score]) -> list[str]:
+    """Returns one sentence per policy with a passivity guard: how much of the time it acted."""
+    return [
+        f"{score.policy}: the guard acted in {100 * fmean(score.guarded):.2g} % of the time, in "
+        f"at most {100 * max(score.guarded):.2g} % of a motion"
+        for score in scores
+        if score.guarded
+    ]
+
+
+def outcome(score: Score) -> str:
+    """Returns a sentence about one motion: whether it went well, and what it took the wearer."""
+    (effort,), (tracking,), (success,) = score.effort, score.tracking, score.success
+    end = ", and the arm was lost before its end" if score.failures else ""
+    return (
+        f"Under {score.policy} the motion {'went well' if success else 'did not go well'}{end}: "
+        f"effort {effort:.1%} of strength, tracking error {1e3 * tracking:.0f} mrad."
+    )
