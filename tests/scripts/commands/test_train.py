@@ -93,7 +93,9 @@ def test_a_run_is_a_policy_with_card_checkpoint_and_logs(run):
 def test_progress_ends_at_the_steps_of_whole_updates(tmp_path, capsys, monkeypatch):
     shown = []
     monkeypatch.setattr(
-        learn_module, "progress", lambda what, total: nullcontext(Bar(shown.append))
+        learn_module,
+        "progress",
+        lambda what, total: nullcontext(Bar(lambda done, of: shown.append(done), total)),
     )
     train(tmp_path / "run", "--torch-threads", "1", steps=10)
     assert "note: 10 steps are rounded up to 256, in whole updates" in capsys.readouterr().err
