@@ -5,33 +5,62 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
+from scipy.optimize import OptimizeResult
 
 from ..arrays import Array
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
-from .corrections import Corrected, Corrections, remarks_on
-from .coverage import Coverage, coverage, shortfalls
-from .curves import Curve, Curves
-from .diagnostics import diagnostics
-from .ensemble import NESTED
-from .fits.magnetic import FORMS
+from .corrections.corrections import Corrected, Corrections
+from .corrections.softening import Softening
+from .data.curves import Curve, Curves
+from .data.parts import thinning_note
+from .fits.certified import paper_model
+from .fits.magnetic import FORMS, magnetic_fit
+from .fits.objective import CurveObjective, InitialTorque, nrmse, predicted, torque_errors
+from .fits.registry import Fitted, fit_model
+from .judging.coverage import NESTED, Coverage, coverage, shortfalls
+from .judging.recording import IF_WRONG, recording_faults
+from .judging.remarks import Remark, begins_elsewhere, diagnostics, remarks_on
+from .judging.uncertainty import Uncertainty, uncertainty
+from .judging.verdict import NOT, UNKNOWN, Judgement, judge
 from .methods import Magnetic, Method, Search
-from .objective import InitialTorque
-from .prediction import nrmse, predicted, torque_errors
-from .recording import IF_WRONG
-from .remarks import Remark
-from .residual.verdict import NOT, UNKNOWN, Judgement, judge
-from .softening import Softening
-from .thinning import thinning_note
-from .trials import Trial
-from .uncertainty.uncertainty import Uncertainty, uncertainty
+from .swarms.variants import OPTIMIZERS
 
+ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
 OLD_NAMES = {
     "diagnostics": "remarks",
     **{name: f"select(curves).{name}" for name in ("why", "candidates", "ensemble", "band")},
 }
-ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
-SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One independent run of a method.
+
+    Attributes:
+        index: The number of the trial, which determines its random numbers.
+        model: The model that it found; if it is safe at the fitted angles only, its torque is
+            constant outside them.
+        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
+            with its first sample.
+        nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        loss: The objective that the method minimized: the NRMSE, or the one that was asked for.
+        evaluations: How often the model ran on all curves; None where the fit does not count.
+        agreed: How many runs from different starts of a certified fit ended at this model; None
+            where it has one start.
+        starts: How many runs there were; None likewise.
+        history: The smallest objective so far, as the optimizer tells it; per iteration of a swarm.
+    """
+
+    index: int
+    model: HysteresisModel
+    initial_torque: InitialTorque
+    nrmse: float
+    loss: float
+    evaluations: int | None
+    agreed: int | None = None
+    starts: int | None = None
+    history: tuple[float, ...] = field(default=(), repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +144,7 @@ class Fit:
 
     @property
     def verdict(self) -> str:
-        """Whether the model describes the curves, as a phrase; see `residual.verdict`."""
+        """Whether the model describes the curves, as a phrase; see `judging.verdict`."""
         return NOT if self.judgement is None else self.judgement.verdict
 
     def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
@@ -185,14 +214,15 @@ def judged_fit(
         remarks = (Remark("memoryless", memoryless), *judged.remarks)
         judged = replace(judged, verdict=NOT, remarks=remarks)
     doubted = judged is None or judged.verdict in (NOT, UNKNOWN)
-    remarks = [one for one in curves.faults if doubted or one.code not in IF_WRONG]
+    faults = recording_faults(curves.read.fitted())
+    remarks = [one for one in faults if doubted or one.code not in IF_WRONG]
     remarks += diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None)
     remarks += judged.remarks if judged else ()
     if isinstance(method, Magnetic):
         remarks += _alike_forms(trials, measured)
     remarks += [Remark("coverage", sentence) for sentence in short]
     if judged and not fitted_start:
-        remarks += _begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
+        remarks += begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
     if note:
         remarks.insert(0, Remark("thinned", f"{note}, in the fit; errors are those of all"))
     remarks += remarks_on(corrections, best.model, curves.softening)
@@ -217,6 +247,77 @@ def judged_fit(
     )
 
 
+def fit_trial(
+    curves: Sequence[Curve],
+    model: str,
+    options: dict[str, Any],
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    """Runs the certified fit of a model once."""
+    return _trial(fit_model(model, curves, np.random.default_rng(seed), **options), curves, index)
+
+
+def magnetic_trial(
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    budget: int,
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    """Fits one form of the Jiles-Atherton model of magnetics; `index` is its place in `FORMS`."""
+    rng = np.random.default_rng(seed)
+    found = magnetic_fit(curves, FORMS[index], rng, budget=budget, initial_torque=initial_torque)
+    return _trial(found, curves, index)
+
+
+def _trial(found: Fitted, curves: Sequence[Curve], index: int) -> Trial:
+    return Trial(
+        index=index,
+        model=found.model,
+        initial_torque=found.initial_torque,
+        nrmse=nrmse(torque_errors(found.model, found.initial_torque, curves), curves),
+        loss=found.loss,
+        evaluations=found.evaluations,
+        agreed=found.agreed,
+        starts=found.starts,
+    )
+
+
+def optimizer_trial(
+    curves: Sequence[Curve],
+    method: str,
+    goal: dict[str, Any],
+    options: dict[str, Any],
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    """Runs an optimizer once on the Jiles-Atherton parameters; `goal` is for `CurveObjective`."""
+    objective = CurveObjective(curves, **goal)
+    run = run_optimizer(objective, method, np.random.default_rng(seed), options)
+    model, start = paper_model(run.x[:5]), objective.initial_torque
+    start = float(run.x[5]) if start == "identified" else start
+    return Trial(
+        index=index,
+        model=model,
+        initial_torque=start,
+        nrmse=nrmse(torque_errors(model, start, curves), curves),
+        loss=float(run.fun),
+        evaluations=objective.evaluations,
+        history=tuple(map(float, run.history)),
+    )
+
+
+def run_optimizer(
+    objective: CurveObjective, method: str, rng: np.random.Generator, options: dict[str, Any]
+) -> OptimizeResult:
+    """Minimizes the objective in the paper's search bounds by the optimizer `method`."""
+    bounds = LI_BOUNDS
+    if objective.initial_torque == "identified":
+        bounds = (*bounds, (-objective.peak, objective.peak))
+    return OPTIMIZERS[method](objective, bounds, rng=rng, **options)
+
+
 def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:
     """Returns a remark if the curves do not distinguish the best form from others."""
     samples = sum(curve.torque.size for curve in curves)
@@ -234,20 +335,5 @@ def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:
             f"the curves do not distinguish the form {FORMS[best.index]!r} (NRMSE {best.loss:.2%}) "
             f"from {' and '.join(alike)}, whose parameters are other ones: "
             "measure with less noise, or name the form with every parameter",
-        )
-    ]
-
-
-def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> list[Remark]:
-    """Returns a remark if the curves begin at another torque than the model."""
-    first = curves.start_torque
-    if isinstance(start, str) or abs(first - start) <= max(SURELY * noise, NEAR * curves.peak):
-        return []
-    return [
-        Remark(
-            "start",
-            f"the curves begin at {first:.3g} N·m, and the model at {start:.3g} N·m: subtract the "
-            "sensor's offset as a tare, if it has one; or let the model begin where they do",
-            ("initial_torque", "identified"),
         )
     ]

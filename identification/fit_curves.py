@@ -1,28 +1,26 @@
 """`fit_curves`: a model from measured curves, by a named method and several seeded trials."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
+from joblib import Parallel, delayed
 
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
-from ._threads import run_threads
-from .corrections import Corrected, Corrections, averaged, corrected
-from .coverage import Coverage
-from .curves import Curve, Curves
-from .diagnostics import turns_back
-from .fit import Fit, judged_fit
+from .corrections.corrections import Corrected, Corrections, averaged, corrected
+from .data.curves import Curve, Curves, turns_back
+from .data.loop_work import refuse_driven
+from .data.parts import thinned
+from .fit import Fit, Trial, fit_trial, judged_fit, magnetic_trial, optimizer_trial
+from .fits.objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
 from .fits.registry import Fitted, fit_model
+from .judging.coverage import Coverage
 from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
-from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
-from .recording import recording_faults
-from .residual.loop_work import refuse_driven
-from .thinning import thinned
-from .trials import Trial, fit_trial, magnetic_trial, optimizer_trial
 
+Result = TypeVar("Result")
 NONE = Corrections()
 OLD_NAMES = {
     **{name: f"corrections=Corrections({name}=...)" for name in ("tare", "rate", "play")},
@@ -31,6 +29,37 @@ OLD_NAMES = {
     "trials": "method=Certified(trials=...)",
     "budget": "method=Certified(budget=...)",
 }
+
+
+def run_threads(
+    calls: Sequence[Callable[[], Result]],
+    workers: int,
+    on_result: Callable[[Result], None] | None = None,
+) -> tuple[list[Result], bool]:
+    """Makes all calls; returns the results in any order, and whether Ctrl-C ended it before.
+
+    Args:
+        calls: Functions that spend nearly all of their time in kernels that release the GIL.
+        workers: Number of threads; -1 uses all cores.
+        on_result: Function that gets each result as soon as it is known.
+
+    Raises:
+        KeyboardInterrupt: Nothing was finished by then.
+    """
+    finished: list[Result] = []
+    parallel = Parallel(
+        n_jobs=min(workers, len(calls)), prefer="threads", return_as="generator_unordered"
+    )
+    try:
+        for result in cast(Iterable[Result], parallel(delayed(call)() for call in calls)):
+            finished.append(result)
+            if on_result is not None:
+                on_result(result)
+    except KeyboardInterrupt:
+        if not finished:
+            raise
+        return finished, True
+    return finished, False
 
 
 def fit_curves(
@@ -139,8 +168,7 @@ def prepared(
         rng = np.random.default_rng(seed)
         return fit_model(model, some, rng, **start, **corrections.beside)
 
-    faults = tuple(recording_faults(Curves(curves).fitted()))
-    return corrected(family, measured, corrections, fitted)._replace(faults=faults)
+    return corrected(Curves(curves), family, measured, corrections, fitted)
 
 
 def refuse_unknown(given: dict[str, Any]) -> None:

@@ -9,12 +9,12 @@ from typing import Any, ClassVar, cast
 from ..checks import at_least
 from ..errors import InputError, refuse_old_names, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
-from .corrections import Corrections
+from .corrections.corrections import Corrections
 from .fits import magnetic
+from .fits.objective import InitialTorque, Loss, Normalize
 from .fits.registry import FITS, is_seeded
-from .objective import InitialTorque, Loss, Normalize
-from .optimizers.registry import OPTIMIZERS, SWARMS
-from .optimizers.swarm import SwarmOptions
+from .swarms.swarm import SwarmOptions
+from .swarms.variants import OPTIMIZERS, SWARMS
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
 EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2

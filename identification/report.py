@@ -14,15 +14,15 @@ from ..hysteresis.protocol import HysteresisModel
 from ..plots import Plot
 from ..tables import Rows
 from . import figures
-from .candidates import Candidate
-from .corrections import Corrections
-from .coverage import Coverage
+from .corrections.corrections import Corrections
 from .fit import Fit
 from .fit_curves import NONE
-from .remarks import Remark
-from .residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
+from .judging.coverage import Coverage
+from .judging.ensemble import Candidate
+from .judging.remarks import Remark
+from .judging.uncertainty import Uncertainty, kind_of
+from .judging.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
 from .selection import Selection
-from .uncertainty.uncertainty import Uncertainty, kind_of
 
 TARE = "--tare NUMBER"
 SQUARES = ("auto", "certified")  # methods that minimize squares

@@ -6,8 +6,8 @@ from ..arrays import Array
 from ..assets import JOINTS
 from ..errors import InputError, unknown_name
 from ..identification import load_motion
+from ..identification.data.files import Motion
 from ..identification.identify import ANY
-from ..identification.motion_files import Motion
 
 MOTION = ".csv"  # how the names of files of motions end
 MOTIONS = 20  # number of motions of a task, the same as in `evaluate`

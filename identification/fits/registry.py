@@ -22,18 +22,14 @@ from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel
-from ..curves import Curve
-from ..objective import InitialTorque
-from ..prediction import nrmse, torque_errors
-from .asymmetric import fit_asymmetric
-from .beginning import common_torque
-from .bouc_wen import fit_bouc_wen
-from .certified import certified_fit
-from .dahl import fit_dahl, fit_duhem
-from .hinged_stops import fit_hinged_stops
-from .linear import fit_prandtl_ishlinskii, fit_preisach
-from .play import Play, fit_behind_play
-from .rate import Rate, fit_beside_rate
+from ..data.curves import Curve
+from .beside import Play, Rate, fit_behind_play, fit_beside_rate
+from .beside_polynomial import fit_asymmetric, fit_bouc_wen, fit_dahl, fit_duhem
+from .certified import certified_fit, common_torque
+from .objective import InitialTorque, nrmse, torque_errors
+from .weights import fit_hinged_stops, fit_prandtl_ishlinskii, fit_preisach
+
+QUICK = 600  # evaluations of a fit that only compares gaps or rounds
 
 
 class FitResult(Protocol):
@@ -60,10 +56,7 @@ class FitResult(Protocol):
         ...
 
 
-QUICK = 600  # evaluations of a fit that only compares gaps or rounds
-
 FitFunction = Callable[..., HysteresisModel | FitResult]
-
 FITS: dict[str, FitFunction] = {
     JilesAtherton.name: certified_fit,
     Asymmetric.name: fit_asymmetric,

@@ -11,11 +11,11 @@ from ...errors import InputError, shown
 from ...identification import Corrections, Identification, load_curves
 from ...identification import identify as identify_curves
 from ...identification.fit_curves import NONE
+from ...identification.fits.objective import InitialTorque, Loss, Normalize
 from ...identification.fits.registry import FITS
 from ...identification.identify import AUTO
+from ...identification.judging.verdict import NOT
 from ...identification.methods import Magnetic, method_names
-from ...identification.objective import InitialTorque, Loss, Normalize
-from ...identification.residual.verdict import NOT
 from ...text import say
 from ..folders import RunFolder
 from ..measured_joint import intended_motions, joint_of

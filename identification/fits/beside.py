@@ -1,0 +1,241 @@
+"""Fits of a hysteresis model beside a dashpot and a Maxwell element, or behind play."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple, Protocol
+
+import numpy as np
+from scipy.optimize import minimize_scalar, nnls
+
+from ...arrays import Array
+from ...hysteresis.around.backlash import Backlash
+from ...hysteresis.around.viscoelastic import Viscoelastic, without_rate
+from ...hysteresis.protocol import HysteresisModel
+from ..data.curves import Curve, noise_floor
+from .objective import InitialTorque, nrmse, price, times_of, torque_errors
+from .tangent import coordinates_of, independent, tangent
+
+Rate = Literal["none", "viscous", "relaxing"]
+ROUNDS = 12  # largest number of rounds; 3 to 6 are usual
+CONVERGED = 1e-4  # change of the elements' torque between rounds at convergence, over the peak
+TIMES = 24  # relaxation times on the grid
+Play = Literal["none", "fit"]
+LARGEST = 0.1  # widest gap of the search, as a share of the range of angles
+GAPS = 6  # number of gaps on the grid, of which the first is zero
+CLOSE = 1e-3  # tolerance of the best gap, relative to the widest
+CERTAIN = 4.0  # deviations of the noise, above which a torque shows the face in contact
+
+
+class SlowFit(Protocol):
+    """Result of a fit of a hysteresis model; see `fits.registry.Fitted`."""
+
+    @property
+    def model(self) -> HysteresisModel:
+        """The model."""
+        ...
+
+    @property
+    def initial_torque(self) -> InitialTorque:
+        """The torque with which all curves begin [N·m]; or "measured"."""
+        ...
+
+
+def rate_of(model: HysteresisModel) -> Rate:
+    """Returns the rate-dependent part of a fitted model."""
+    if not isinstance(model, Viscoelastic):
+        return "none"
+    return "relaxing" if model.relaxation_stiffness > 0 else "viscous"
+
+
+def fit_beside_rate(
+    curves: Sequence[Curve],
+    rate: Rate,
+    fit: Callable[[Sequence[Curve]], SlowFit],
+    quick: Callable[[Sequence[Curve]], SlowFit],
+) -> tuple[Viscoelastic, InitialTorque]:
+    """Fits a hysteresis model and the rate-dependent elements beside it, in turn.
+
+    Each round fits the hysteresis model to the torque less that of the elements, and then solves
+    for the elements beside the derivatives of the torque with respect to the model's parameters, so
+    that torque that the model can describe as well does not count (variable projection, Golub and
+    Pereyra 1973). The relaxation time is refined from the best one of a grid. Dampings and
+    stiffnesses are at least 0; a Maxwell element that lowers the error by less than the cost of its
+    parameters (the Bayesian information criterion) is left out.
+
+    Args:
+        curves: Measured curves, with times.
+        rate: "viscous", a dashpot, or "relaxing", a Maxwell element beside it.
+        fit: Fit of the hysteresis model to curves, for the last round.
+        quick: The same with less effort, for the rounds before.
+    """
+    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
+    times = _times(curves) if rate == "relaxing" else np.empty(0)
+    rest, slow = list(curves), quick(curves)
+    found, before = Viscoelastic(model=slow.model), np.zeros(sum(one.angle.size for one in curves))
+    for _ in range(ROUNDS):
+        found = _with_elements(slow.model, slow.initial_torque, curves, times)
+        torques = [_torque(found, curve) for curve in curves]
+        now = np.concatenate(torques)
+        if np.abs(now - before).max() <= CONVERGED * peak:
+            break
+        before = now
+        rest = [
+            replace(curve, torque=curve.torque - torque)
+            for curve, torque in zip(curves, torques, strict=True)
+        ]
+        slow = quick(rest)
+    slow = fit(rest)
+    return replace(found, model=slow.model), slow.initial_torque
+
+
+def _times(curves: Sequence[Curve]) -> Array:
+    """Returns the relaxation times that curves can show [s]: from two samples to half a curve."""
+    steps = [np.median(np.diff(times_of(curve))) for curve in curves]
+    longest = max(float(np.ptp(times_of(curve))) for curve in curves)
+    return np.geomspace(2 * min(steps), longest / 2, TIMES)
+
+
+def _with_elements(
+    model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve], times: Array
+) -> Viscoelastic:
+    """Returns the model beside the elements that best explain its residual."""
+    rest = -torque_errors(model, start, curves)
+    if not np.isfinite(rest).all():
+        return Viscoelastic(model=model)
+    slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
+    basis = independent(slopes)
+
+    def beside(columns: Array) -> Array:
+        return columns - basis @ (basis.T @ columns)
+
+    dashpot = Viscoelastic(model=model, damping=1.0)
+    velocity = np.concatenate([_torque(dashpot, curve) for curve in curves])[:, None]
+    rest = beside(rest)
+    (damping,), least = nnls(beside(velocity), rest)
+    found = Viscoelastic(model=model, damping=float(damping))
+    if times.size == 0:
+        return found
+
+    def solved(time: float) -> tuple[Array, float]:
+        element = Viscoelastic(model=model, relaxation_stiffness=1.0, relaxation_time=time)
+        torque = np.concatenate([_torque(element, curve) for curve in curves])
+        return nnls(beside(np.column_stack([velocity, torque])), rest)
+
+    best = int(np.argmin([solved(time)[1] for time in times.tolist()]))
+    near = np.log(times[[max(best - 1, 0), min(best + 1, times.size - 1)]])
+    closer: Any = minimize_scalar(
+        lambda log: solved(math.exp(log))[1], bounds=near, method="bounded"
+    )
+    time = math.exp(closer.x)
+    (damping, stiffness), loss = solved(time)
+    if least <= loss * price(2, rest.size) or stiffness == 0:
+        return found
+    return Viscoelastic(
+        model=model,
+        damping=float(damping),
+        relaxation_stiffness=float(stiffness),
+        relaxation_time=time,
+    )
+
+
+def _torque(model: Viscoelastic, curve: Curve) -> Array:
+    return model.rate_torque(curve.angle, times_of(curve))
+
+
+class _Behind(NamedTuple):
+    model: HysteresisModel
+    initial_torque: InitialTorque
+    loss: float
+
+
+def play_of(model: HysteresisModel) -> Play:
+    """Returns whether a fitted model is behind play."""
+    return "fit" if isinstance(without_rate(model), Backlash) else "none"
+
+
+def without_play(model: HysteresisModel) -> HysteresisModel:
+    """Returns the model behind the play, or the model itself where there is none."""
+    return model.model if isinstance(model, Backlash) else model
+
+
+def fit_behind_play(
+    curves: Sequence[Curve],
+    fit: Callable[[Sequence[Curve]], SlowFit],
+    quick: Callable[[Sequence[Curve]], SlowFit],
+) -> tuple[HysteresisModel, InitialTorque]:
+    """Fits a hysteresis model and the gap before it.
+
+    For a given gap, the sign of the torque shows the face in contact, and so the angle of the
+    suit's side, to which the model is fitted; where the torque is lost in the noise, the suit's
+    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the one for
+    which the model behind it is nearest to the torque: the best of a grid, refined by Brent's
+    bounded search. A gap that lowers the error by less than the cost of its parameter (the
+    Bayesian information criterion) does not count, and the model is returned without it.
+
+    Args:
+        curves: Measured curves.
+        fit: Fit of the hysteresis model to curves.
+        quick: The same with less effort, which suffices to compare gaps.
+    """
+    found: dict[float, _Behind] = {}
+
+    def loss(gap: float) -> float:
+        if gap not in found:
+            found[gap] = _behind(curves, gap, quick)
+        return found[gap].loss
+
+    widest = LARGEST * max(float(np.ptp(curve.angle)) for curve in curves)
+    grid = np.linspace(0.0, widest, GAPS)
+    best = int(np.argmin([loss(float(gap)) for gap in grid]))
+    near = grid[max(best - 1, 0)], grid[min(best + 1, GAPS - 1)]
+    minimize_scalar(
+        lambda gap: loss(float(gap)),
+        bounds=near,
+        method="bounded",
+        options={"xatol": CLOSE * widest},
+    )
+    gap = min(found, key=loss)
+    chosen, without = _behind(curves, gap, fit), _behind(curves, 0.0, fit)
+    if without.loss <= chosen.loss * price(1, _samples(curves)):
+        chosen = without
+    return chosen.model, chosen.initial_torque
+
+
+def _behind(
+    curves: Sequence[Curve], gap: float, fit: Callable[[Sequence[Curve]], SlowFit]
+) -> _Behind:
+    """Returns the fit of a model behind a known gap, with its error along the curves."""
+    if gap == 0:
+        slow = fit(curves)
+        error = _error(slow.model, slow.initial_torque, curves)
+        return _Behind(slow.model, slow.initial_torque, error)
+    slow = fit([replace(one, angle=suit_angles(one, gap)) for one in curves])
+    behind = Backlash(model=slow.model, gap=gap)
+    starts: list[InitialTorque] = [slow.initial_torque]
+    # A start within the noise counts as one in the gap where that is nearer to the curves.
+    if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
+        starts.append(0.0)
+    tried = [_Behind(behind, one, _error(behind, one, curves)) for one in starts]
+    return min(tried, key=lambda one: one.loss)
+
+
+def _samples(curves: Sequence[Curve]) -> int:
+    return sum(curve.angle.size for curve in curves)
+
+
+def _error(model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]) -> float:
+    return nrmse(torque_errors(model, start, curves), curves)
+
+
+def suit_angles(curve: Curve, gap: float) -> Array:
+    """Returns the angles of the suit's side of a gap [rad], shape (n,)."""
+    side = np.where(
+        np.abs(curve.torque) > CERTAIN * noise_floor([curve]), np.sign(curve.torque), 0.0
+    )
+    end, found = float(curve.angle[0]), np.empty_like(curve.angle)
+    for i, (angle, face) in enumerate(zip(curve.angle.tolist(), side.tolist(), strict=True)):
+        low, high = angle - gap / 2, angle + gap / 2
+        end = angle - face * gap / 2 if face else min(max(end, low), high)
+        found[i] = end
+    return found
