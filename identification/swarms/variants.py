@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import ClassVar, Literal, TypedDict, Unpack
+from typing import ClassVar, Literal, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +30,17 @@ Optimizer = Callable[..., OptimizeResult]
 NO_SEARCHES = ("auto", "certified", "magnetic")  # methods of `identify` that no optimizer may hide
 
 
-class Coefficients(TypedDict):
-    """The options of `pso` in which the two papers differ."""
+class PSOOptions(SwarmOptions, total=False):
+    """The options of `pso`.
+
+    Attributes:
+        inertia: Inertia of the velocity: "tanh", eq. (10) of Li et al. 2022, the default; "linear",
+            from 0.9 to 0.4; or a constant.
+        cognitive: Coefficient c1, the pull towards a particle's own best; by default 2.
+        social: Coefficient c2, the pull towards the best of all; by default 2.
+        per_dimension: Whether the random numbers of eq. (8) are drawn for each dimension of each
+            particle, as eq. (3) of Kao and Fung 2009 does, instead of once per particle.
+    """
 
     inertia: Inertia
     cognitive: float
@@ -39,8 +48,35 @@ class Coefficients(TypedDict):
     per_dimension: bool
 
 
+class SAPSOOptions(SwarmOptions, total=False):
+    """The options of `sa_pso`.
+
+    Attributes:
+        temperature: First temperature, as the best fitness divided by a number: "paper" is eq. (11)
+            as printed, F / e^-10, which is so hot that the roulette stays uniform for all 100
+            iterations; "ln5" is F / ln 5, the textbook rule; a number divides by that number.
+    """
+
+    temperature: Temperature
+
+
+class RankDistanceOptions(PSOOptions, total=False):
+    """The options of `rank_distance_mpso`; those of `pso` are by default `KAO_FUNG`.
+
+    Attributes:
+        distance_rank: Individual that has distance rank 1, which is the best: "far", the farthest
+            from the best solution, as the paper's figure 4 wants it; or "near", the nearest, as its
+            "a higher rank to a longer distance" says word for word.
+        patience: Number of iterations in a row without a better value that ends the run, the
+            paper's second stop rule; it does not print the number. None never ends it so.
+    """
+
+    distance_rank: DistanceRank
+    patience: int | None
+
+
 # What Kao and Fung 2009 identify with; their eq. (4) is inertia="linear".
-KAO_FUNG = Coefficients(
+KAO_FUNG = PSOOptions(
     inertia=KAO_INERTIA, cognitive=KAO_COGNITIVE, social=KAO_SOCIAL, per_dimension=True
 )
 
@@ -59,16 +95,7 @@ def linear_inertia(iteration: int, iterations: int) -> float:
 
 
 class PSO(Swarm):
-    """The basic swarm as an ask/tell core.
-
-    Args:
-        bounds: One pair (low, high) per parameter.
-        inertia: Inertia of the velocity: "tanh", "linear" or a constant.
-        cognitive: Coefficient c1, the pull towards a particle's own best.
-        social: Coefficient c2, the pull towards the best of all.
-        per_dimension: Whether random numbers are drawn for each dimension of each particle.
-        **common: Options that every swarm takes; `SwarmOptions` lists them.
-    """
+    """The basic swarm as an ask/tell core; `PSOOptions` lists the options."""
 
     def __init__(
         self,
@@ -90,7 +117,7 @@ class PSO(Swarm):
         self._cognitive, self._social = cognitive, social
         if per_dimension:
             self._draws = (2, *self._position.shape)
-        self._options |= Coefficients(
+        self._options |= PSOOptions(
             inertia=inertia, cognitive=cognitive, social=social, per_dimension=per_dimension
         )
 
@@ -108,12 +135,8 @@ def pso(
     objective: Objective,
     bounds: Bounds,
     *,
-    inertia: Inertia = "tanh",
-    cognitive: float = LEARNING_FACTOR,
-    social: float = LEARNING_FACTOR,
-    per_dimension: bool = False,
     callback: Callback | None = None,
-    **common: Unpack[SwarmOptions],
+    **options: Unpack[PSOOptions],
 ) -> OptimizeResult:
     """Minimizes with the basic swarm: eq. (5), (6), (8)-(10) of Li et al. 2022.
 
@@ -124,29 +147,15 @@ def pso(
             discards that position.
         bounds: One pair (low, high) per parameter; a particle beyond is set back to the bound and
             keeps its velocity.
-        inertia: Inertia of the velocity: "tanh", eq. (10); "linear", from 0.9 to 0.4; or a
-            constant.
-        cognitive: Coefficient c1, the pull towards a particle's own best.
-        social: Coefficient c2, the pull towards the best of all.
-        per_dimension: Whether the random numbers of eq. (8) are drawn for each dimension of each
-            particle, as eq. (3) of Kao and Fung 2009 does, instead of once per particle.
         callback: Function that gets the intermediate result after every iteration; it may raise
             StopIteration.
-        **common: Options that every swarm takes; `SwarmOptions` lists them.
+        **options: Options of the swarm; `PSOOptions` lists them.
 
     Returns:
         A result with `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after
         each iteration), `discarded`, `population`, `success`, `message`.
     """
-    swarm = PSO(
-        bounds,
-        inertia=inertia,
-        cognitive=cognitive,
-        social=social,
-        per_dimension=per_dimension,
-        **common,
-    )
-    return swarm.minimize(objective, callback)
+    return PSO(bounds, **options).minimize(objective, callback)
 
 
 def _usable(value: object) -> bool:
@@ -169,7 +178,7 @@ def scheduled_coefficients(iteration: int, iterations: int) -> tuple[float, floa
 
 
 class MPSO(Swarm):
-    """MPSO as an ask/tell core; arguments and errors are those of `Swarm`."""
+    """MPSO as an ask/tell core; `SwarmOptions` lists the options."""
 
     def _coefficients(self) -> tuple[float, float, float]:
         return scheduled_coefficients(self.iteration, self._max_iterations)
@@ -180,24 +189,18 @@ def mpso(
     bounds: Bounds,
     *,
     callback: Callback | None = None,
-    **common: Unpack[SwarmOptions],
+    **options: Unpack[SwarmOptions],
 ) -> OptimizeResult:
     """Minimizes with MPSO: eq. (13) and (14) of Li et al. 2022 on the basic swarm.
 
     Arguments, result and errors are those of `pso`, without its coefficients. `MPSO` is the same as
     an ask/tell core that can be saved and resumed.
     """
-    return MPSO(bounds, **common).minimize(objective, callback)
+    return MPSO(bounds, **options).minimize(objective, callback)
 
 
 class SAPSO(Swarm):
-    """SA-PSO as an ask/tell core.
-
-    Args:
-        bounds: One pair (low, high) per parameter.
-        temperature: First temperature, as `sa_pso` takes it.
-        **common: Options that every swarm takes; `SwarmOptions` lists them.
-    """
+    """SA-PSO as an ask/tell core; `SAPSOOptions` lists the options."""
 
     _CHANGING: ClassVar[tuple[str, ...]] = (*Swarm._CHANGING, "_first_temperature")
 
@@ -231,29 +234,17 @@ def sa_pso(
     objective: Objective,
     bounds: Bounds,
     *,
-    temperature: Temperature = "paper",
     callback: Callback | None = None,
-    **common: Unpack[SwarmOptions],
+    **options: Unpack[SAPSOOptions],
 ) -> OptimizeResult:
     """Minimizes with SA-PSO: eq. (5), (6), (8)-(12) and steps 1-12 of Li et al. 2022.
 
     In each iteration one random number picks, by the roulette of eq. (12), the personal best that
     the whole swarm follows; the best point ever found is kept apart and returned. `SAPSO` is the
-    same as an ask/tell core that can be saved and resumed.
-
-    Args:
-        objective: Function to minimize, as `pso` takes it.
-        bounds: One pair (low, high) per parameter.
-        temperature: First temperature, as the best fitness divided by a number: "paper" is eq. (11)
-            as printed, F / e^-10, which is so hot that the roulette stays uniform for all 100
-            iterations; "ln5" is F / ln 5, the textbook rule; a number divides by that number.
-        callback: Function that gets the intermediate result, as `pso` calls it.
-        **common: Options that every swarm takes; `SwarmOptions` lists them.
-
-    Returns:
-        The result, with the fields that `pso` lists.
+    same as an ask/tell core that can be saved and resumed. Arguments, result and errors are those
+    of `pso`; `SAPSOOptions` lists the options.
     """
-    return SAPSO(bounds, temperature=temperature, **common).minimize(objective, callback)
+    return SAPSO(bounds, **options).minimize(objective, callback)
 
 
 def selection_probability(fitness: Array, temperature: float) -> Array:
@@ -278,16 +269,7 @@ class RankDistanceMPSO(PSO):
 
     An individual is a particle with its position, velocity and personal best. `ask` returns the
     offspring; `tell` lets the best-scored half of parents and offspring together survive.
-
-    Args:
-        bounds: One pair (low, high) per parameter.
-        distance_rank: Individual that has distance rank 1: the farthest, or the nearest.
-        patience: Number of iterations in a row without a better value that ends the run, or None.
-        inertia: Inertia of the velocity: "tanh", "linear" or a constant.
-        cognitive: Coefficient c1, the pull towards a particle's own best.
-        social: Coefficient c2, the pull towards the best of all.
-        per_dimension: Whether random numbers are drawn for each dimension of each particle.
-        **common: Options that every swarm takes; `SwarmOptions` lists them.
+    `RankDistanceOptions` lists the options.
     """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (
@@ -305,20 +287,9 @@ class RankDistanceMPSO(PSO):
         *,
         distance_rank: DistanceRank = "far",
         patience: int | None = None,
-        inertia: Inertia = KAO_FUNG["inertia"],
-        cognitive: float = KAO_FUNG["cognitive"],
-        social: float = KAO_FUNG["social"],
-        per_dimension: bool = KAO_FUNG["per_dimension"],
-        **common: Unpack[SwarmOptions],
+        **options: Unpack[PSOOptions],
     ) -> None:
-        super().__init__(
-            bounds,
-            inertia=inertia,
-            cognitive=cognitive,
-            social=social,
-            per_dimension=per_dimension,
-            **common,
-        )
+        super().__init__(bounds, **(KAO_FUNG | options))
         if distance_rank not in ("far", "near"):
             raise InputError(f"distance_rank is {distance_rank!r}: use 'far' or 'near'")
         if patience is not None:
@@ -395,14 +366,8 @@ def rank_distance_mpso(
     objective: Objective,
     bounds: Bounds,
     *,
-    distance_rank: DistanceRank = "far",
-    patience: int | None = None,
-    inertia: Inertia = KAO_FUNG["inertia"],
-    cognitive: float = KAO_FUNG["cognitive"],
-    social: float = KAO_FUNG["social"],
-    per_dimension: bool = KAO_FUNG["per_dimension"],
     callback: Callback | None = None,
-    **common: Unpack[SwarmOptions],
+    **options: Unpack[RankDistanceOptions],
 ) -> OptimizeResult:
     """Minimizes with the modified swarm of Kao and Fung 2009: eq. (3)-(9).
 
@@ -410,38 +375,11 @@ def rank_distance_mpso(
     lowest sum of error rank and decayed distance rank survive, and the best always does. What the
     paper leaves open: an individual takes its velocity and personal best with it, distances are
     measured in units of the box, and ranks start at 1 with ties in order, parents first.
-    `RankDistanceMPSO` is the same as an ask/tell core that can be saved and resumed.
-
-    Args:
-        objective: Function to minimize, as `pso` takes it.
-        bounds: One pair (low, high) per parameter.
-        distance_rank: Individual that has distance rank 1, which is the best: "far", the farthest
-            from the best solution, as the paper's figure 4 wants it; or "near", the nearest, as its
-            "a higher rank to a longer distance" says word for word.
-        patience: Number of iterations in a row without a better value that ends the run, the
-            paper's second stop rule; it does not print the number. None never ends it so.
-        inertia: Inertia of the velocity; by default the paper's in identification; "linear" is its
-            eq. (4).
-        cognitive: Coefficient c1, the pull towards a particle's own best.
-        social: Coefficient c2, the pull towards the best of all.
-        per_dimension: Whether random numbers are drawn for each dimension of each particle.
-        callback: Function that gets the intermediate result, as `pso` calls it.
-        **common: Options that every swarm takes; `SwarmOptions` lists them.
-
-    Returns:
-        The result, with the fields that `pso` lists; `population` is the survivors.
+    `RankDistanceMPSO` is the same as an ask/tell core that can be saved and resumed. Arguments,
+    result and errors are those of `pso`, where `population` is the survivors;
+    `RankDistanceOptions` lists the options.
     """
-    swarm = RankDistanceMPSO(
-        bounds,
-        distance_rank=distance_rank,
-        patience=patience,
-        inertia=inertia,
-        cognitive=cognitive,
-        social=social,
-        per_dimension=per_dimension,
-        **common,
-    )
-    return swarm.minimize(objective, callback)
+    return RankDistanceMPSO(bounds, **options).minimize(objective, callback)
 
 
 def _ranks(values: Array) -> Array:
