@@ -4,18 +4,18 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.loops import reversals
 from ..data.curves import Curve, Curves
-from ..fits.beside import SlowFit
+from ..fits.beside import Fitted
 from ..fits.objective import predicted, price
-from ..fits.tangent import coordinates_of, independent, tangent
+from ..fits.search import least_of
+from ..fits.tangent import beside, coordinates_of, independent, tangent
 
 Softens = Literal["none", "fit"]
 FEWEST = 2.0  # fewest cycles in which a change is identifiable
@@ -85,7 +85,7 @@ def without_change(curves: Curves, softening: Softening, count: Count) -> Curves
 
 
 def found_softening(
-    curves: Curves, count: Count, fit: Callable[[Curves], SlowFit]
+    curves: Curves, count: Count, fit: Callable[[Curves], Fitted]
 ) -> Softening | None:
     """Returns how the torque changes over the cycles of curves; None where it does not.
 
@@ -118,7 +118,7 @@ def found_softening(
     return found if worth > price(2, samples) else None
 
 
-def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
+def _change(slow: Fitted, curves: Curves, count: Count) -> Softening:
     """Returns the change that best explains the residual of a model."""
     model, start = slow.model, slow.initial_torque
     torque = np.concatenate([predicted(model, start, curve) for curve in curves])
@@ -129,16 +129,12 @@ def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
     slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
     basis = independent(slopes)
     squares = max(float(torque @ torque), np.finfo(float).tiny)
-
-    def beside(column: Array) -> Array:
-        return column - basis @ (basis.T @ column)
-
-    goal = beside(rest)
+    goal = beside(basis, rest)
 
     def tried(cycles: float) -> tuple[float, Softening]:
         left = math.exp(-total / cycles)
         column = torque * (np.exp(-gone / cycles) - left)
-        alone = beside(column)
+        alone = beside(basis, column)
         size = float(alone @ goal) / max(float(alone @ alone), np.finfo(float).tiny)
         # The model fits the mean of the torque, and the change is relative to the end.
         end = max(1 + float(torque @ (rest - size * column)) / squares, 1 / MOST)
@@ -149,15 +145,10 @@ def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
         return error, Softening(1 + change * (1 - left), 1 - change * left, cycles, total)
 
     grid = np.geomspace(SHORTEST, LONGEST * total, TIMES)
-    best = int(np.argmin([tried(cycles)[0] for cycles in grid.tolist()]))
-    near = np.log(grid[[max(best - 1, 0), min(best + 1, TIMES - 1)]])
-    closer: Any = minimize_scalar(
-        lambda log: tried(math.exp(log))[0], bounds=near, method="bounded"
-    )
-    return tried(math.exp(closer.x))[1]
+    return tried(least_of(grid, lambda cycles: tried(cycles)[0]))[1]
 
 
-def _error(slow: SlowFit, softening: Softening, curves: Sequence[Curve], count: Count) -> float:
+def _error(slow: Fitted, softening: Softening, curves: Sequence[Curve], count: Count) -> float:
     """Returns the root mean square of predicted less measured torque [N·m]."""
     errors = [
         softening.factor(count(curve)) * predicted(slow.model, slow.initial_torque, curve)

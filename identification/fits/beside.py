@@ -1,9 +1,8 @@
 """Fits of a hysteresis model beside a dashpot and a Maxwell element, or behind play."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import minimize_scalar, nnls
@@ -13,8 +12,9 @@ from ...hysteresis.around.backlash import Backlash
 from ...hysteresis.around.viscoelastic import Viscoelastic, without_rate
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, noise_floor
-from .objective import InitialTorque, nrmse, price, times_of, torque_errors
-from .tangent import coordinates_of, independent, tangent
+from .objective import Fitted, InitialTorque, price, scored, times_of, torque_errors
+from .search import least_of
+from .tangent import beside, coordinates_of, independent, tangent
 
 Rate = Literal["none", "viscous", "relaxing"]
 ROUNDS = 12  # largest number of rounds; 3 to 6 are usual
@@ -27,20 +27,6 @@ CLOSE = 1e-3  # tolerance of the best gap, relative to the widest
 CERTAIN = 4.0  # deviations of the noise, above which a torque shows the face in contact
 
 
-class SlowFit(Protocol):
-    """Result of a fit of a hysteresis model; see `fits.registry.Fitted`."""
-
-    @property
-    def model(self) -> HysteresisModel:
-        """The model."""
-        ...
-
-    @property
-    def initial_torque(self) -> InitialTorque:
-        """The torque with which all curves begin [N·m]; or "measured"."""
-        ...
-
-
 def rate_of(model: HysteresisModel) -> Rate:
     """Returns the rate-dependent part of a fitted model."""
     if not isinstance(model, Viscoelastic):
@@ -51,9 +37,9 @@ def rate_of(model: HysteresisModel) -> Rate:
 def fit_beside_rate(
     curves: Sequence[Curve],
     rate: Rate,
-    fit: Callable[[Sequence[Curve]], SlowFit],
-    quick: Callable[[Sequence[Curve]], SlowFit],
-) -> tuple[Viscoelastic, InitialTorque]:
+    fit: Callable[[Sequence[Curve]], Fitted],
+    quick: Callable[[Sequence[Curve]], Fitted],
+) -> Fitted:
     """Fits a hysteresis model and the rate-dependent elements beside it, in turn.
 
     Each round fits the hysteresis model to the torque less that of the elements, and then solves
@@ -75,18 +61,16 @@ def fit_beside_rate(
     found, before = Viscoelastic(model=slow.model), np.zeros(sum(one.angle.size for one in curves))
     for _ in range(ROUNDS):
         found = _with_elements(slow.model, slow.initial_torque, curves, times)
-        torques = [_torque(found, curve) for curve in curves]
-        now = np.concatenate(torques)
+        now = _torque(found, curves)
         if np.abs(now - before).max() <= CONVERGED * peak:
             break
         before = now
-        rest = [
-            replace(curve, torque=curve.torque - torque)
-            for curve, torque in zip(curves, torques, strict=True)
-        ]
+        parts = np.split(now, np.cumsum([one.angle.size for one in curves])[:-1])
+        pairs = zip(curves, parts, strict=True)
+        rest = [replace(curve, torque=curve.torque - torque) for curve, torque in pairs]
         slow = quick(rest)
     slow = fit(rest)
-    return replace(found, model=slow.model), slow.initial_torque
+    return scored(replace(found, model=slow.model), slow.initial_torque, curves)
 
 
 def _times(curves: Sequence[Curve]) -> Array:
@@ -105,48 +89,27 @@ def _with_elements(
         return Viscoelastic(model=model)
     slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
     basis = independent(slopes)
-
-    def beside(columns: Array) -> Array:
-        return columns - basis @ (basis.T @ columns)
-
-    dashpot = Viscoelastic(model=model, damping=1.0)
-    velocity = np.concatenate([_torque(dashpot, curve) for curve in curves])[:, None]
-    rest = beside(rest)
-    (damping,), least = nnls(beside(velocity), rest)
+    velocity = _torque(Viscoelastic(model=model, damping=1.0), curves)[:, None]
+    rest = beside(basis, rest)
+    (damping,), least = nnls(beside(basis, velocity), rest)
     found = Viscoelastic(model=model, damping=float(damping))
     if times.size == 0:
         return found
 
     def solved(time: float) -> tuple[Array, float]:
         element = Viscoelastic(model=model, relaxation_stiffness=1.0, relaxation_time=time)
-        torque = np.concatenate([_torque(element, curve) for curve in curves])
-        return nnls(beside(np.column_stack([velocity, torque])), rest)
+        return nnls(beside(basis, np.column_stack([velocity, _torque(element, curves)])), rest)
 
-    best = int(np.argmin([solved(time)[1] for time in times.tolist()]))
-    near = np.log(times[[max(best - 1, 0), min(best + 1, times.size - 1)]])
-    closer: Any = minimize_scalar(
-        lambda log: solved(math.exp(log))[1], bounds=near, method="bounded"
-    )
-    time = math.exp(closer.x)
+    time = least_of(times, lambda time: solved(time)[1])
     (damping, stiffness), loss = solved(time)
     if least <= loss * price(2, rest.size) or stiffness == 0:
         return found
-    return Viscoelastic(
-        model=model,
-        damping=float(damping),
-        relaxation_stiffness=float(stiffness),
-        relaxation_time=time,
-    )
+    maxwell = {"relaxation_stiffness": float(stiffness), "relaxation_time": time}
+    return Viscoelastic(model=model, damping=float(damping), **maxwell)
 
 
-def _torque(model: Viscoelastic, curve: Curve) -> Array:
-    return model.rate_torque(curve.angle, times_of(curve))
-
-
-class _Behind(NamedTuple):
-    model: HysteresisModel
-    initial_torque: InitialTorque
-    loss: float
+def _torque(model: Viscoelastic, curves: Sequence[Curve]) -> Array:
+    return np.concatenate([model.rate_torque(one.angle, times_of(one)) for one in curves])
 
 
 def play_of(model: HysteresisModel) -> Play:
@@ -161,9 +124,9 @@ def without_play(model: HysteresisModel) -> HysteresisModel:
 
 def fit_behind_play(
     curves: Sequence[Curve],
-    fit: Callable[[Sequence[Curve]], SlowFit],
-    quick: Callable[[Sequence[Curve]], SlowFit],
-) -> tuple[HysteresisModel, InitialTorque]:
+    fit: Callable[[Sequence[Curve]], Fitted],
+    quick: Callable[[Sequence[Curve]], Fitted],
+) -> Fitted:
     """Fits a hysteresis model and the gap before it.
 
     For a given gap, the sign of the torque shows the face in contact, and so the angle of the
@@ -178,7 +141,7 @@ def fit_behind_play(
         fit: Fit of the hysteresis model to curves.
         quick: The same with less effort, which suffices to compare gaps.
     """
-    found: dict[float, _Behind] = {}
+    found: dict[float, Fitted] = {}
 
     def loss(gap: float) -> float:
         if gap not in found:
@@ -197,35 +160,24 @@ def fit_behind_play(
     )
     gap = min(found, key=loss)
     chosen, without = _behind(curves, gap, fit), _behind(curves, 0.0, fit)
-    if without.loss <= chosen.loss * price(1, _samples(curves)):
-        chosen = without
-    return chosen.model, chosen.initial_torque
+    worth = price(1, sum(curve.angle.size for curve in curves))
+    return without if without.loss <= chosen.loss * worth else chosen
 
 
 def _behind(
-    curves: Sequence[Curve], gap: float, fit: Callable[[Sequence[Curve]], SlowFit]
-) -> _Behind:
+    curves: Sequence[Curve], gap: float, fit: Callable[[Sequence[Curve]], Fitted]
+) -> Fitted:
     """Returns the fit of a model behind a known gap, with its error along the curves."""
     if gap == 0:
         slow = fit(curves)
-        error = _error(slow.model, slow.initial_torque, curves)
-        return _Behind(slow.model, slow.initial_torque, error)
+        return scored(slow.model, slow.initial_torque, curves)
     slow = fit([replace(one, angle=suit_angles(one, gap)) for one in curves])
     behind = Backlash(model=slow.model, gap=gap)
     starts: list[InitialTorque] = [slow.initial_torque]
     # A start within the noise counts as one in the gap where that is nearer to the curves.
     if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
         starts.append(0.0)
-    tried = [_Behind(behind, one, _error(behind, one, curves)) for one in starts]
-    return min(tried, key=lambda one: one.loss)
-
-
-def _samples(curves: Sequence[Curve]) -> int:
-    return sum(curve.angle.size for curve in curves)
-
-
-def _error(model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]) -> float:
-    return nrmse(torque_errors(model, start, curves), curves)
+    return min((scored(behind, one, curves) for one in starts), key=lambda one: one.loss)
 
 
 def suit_angles(curve: Curve, gap: float) -> Array:

@@ -12,13 +12,11 @@ from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.bouc_wen.model import BoucWen
 from ...hysteresis.dahl.model import Dahl, Duhem
 from ...hysteresis.jiles_atherton import coordinates, kernels
-from ...hysteresis.jiles_atherton.langevin import langevin
-from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.polynomial import LARGEST_DEGREE
 from ..data.curves import Curve
-from .certified import shape_box
-from .search import MARGIN, BesidePolynomial, Evaluation, search_shapes
+from .certified import missing_margin, shape_box, shortfall
+from .search import MARGIN, BesidePolynomial, Shapes, search_shapes
 
 SCREENED = 64
 BUDGET = 600  # evaluations of the model on all curves
@@ -54,70 +52,42 @@ def fit_asymmetric(
     if not 1 <= degree <= LARGEST_DEGREE:
         raise InputError(f"degree is {degree}: use 1 to {LARGEST_DEGREE}")
     beside = BesidePolynomial(curves, degree)
-    unit = _UnitModels(beside)
-    search = search_shapes(unit, beside.floor, screened=SCREENED, budget=BUDGET, rng=rng)
+    degrees, start = np.degrees(beside.angle), np.degrees([beside.start])
+    inside = float(np.degrees(beside.low)), float(np.degrees(beside.high))
+    low, high = shape_box(beside.curves)
+
+    def torque(point: Array) -> Array:
+        row, first = _unit(point)
+        found = np.empty((1, degrees.size))
+        initial = np.full((1, beside.starts.size - 1), first)
+        kernels.population_response(degrees, beside.starts, initial, row[None], found)
+        return found[0]
+
+    box = np.append(low, -1.0), np.append(high, 1.0)
+    shapes = Shapes(beside, box, torque, lambda point: missing_margin(*_unit(point), start, inside))
+    search = search_shapes(shapes, screened=SCREENED, budget=BUDGET, rng=rng)
     if search.best is None:
         raise InputError(
             f"none of {search.evaluations} models tried on these curves is certified: check the "
             "columns and the sign of the torque"
         )
-    shape = unit.response(search.best)
-    (_, a, alpha, c, k), _ = _unit(search.best)
+    row, first = _unit(search.best)
+    _, a, alpha, c, k = row.tolist()
+    shape = torque(search.best)
     Ms = beside.scale(shape)
     inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha / Ms, c=c, k=k, angle_unit="deg")
-    safe = unit.excess(search.best, everywhere=True) <= MARGIN / 2
+    safe = shortfall(row, first, start) <= MARGIN / 2
     return Asymmetric(
         model=inner if safe else Clipped(model=inner, angle_range=(beside.low, beside.high)),
         polynomial=beside.polynomial(shape),
     )
 
 
-def _unit(point: Array) -> tuple[tuple[float, ...], float]:
+def _unit(point: Array) -> tuple[Array, float]:
     """Returns 1, a, alpha, c, k in degrees, and the torque at the beginning, all for Ms = 1."""
     (row,) = coordinates.unit_rows(point[None, :4])
     bound = float(np.exp(point[3])) / (3 * row[1])  # k (c - 1) / (3a), the certificate's
-    return tuple(row.tolist()), float(point[4]) * bound
-
-
-class _UnitModels:
-    """The errors of models with Ms = 1 beside the best polynomial."""
-
-    def __init__(self, beside: BesidePolynomial) -> None:
-        self.beside, self.starts = beside, beside.starts
-        self.degrees, self.start = np.degrees(beside.angle), float(np.degrees(beside.start))
-        self.range = np.degrees(beside.low), np.degrees(beside.high)
-        low, high = shape_box(beside.curves)
-        self.low, self.high = np.append(low, -1.0), np.append(high, 1.0)
-
-    def evaluate(self, point: Array) -> Evaluation:
-        """Returns the errors of a point, with the projection done, and its missing margin."""
-        errors = self.beside.residual(self.response(point))
-        return Evaluation(errors, self.missing_margin(point), point.copy())
-
-    def response(self, point: Array) -> Array:
-        """Returns the torque along all curves, shape (samples,)."""
-        row, first = _unit(point)
-        torque = np.empty((1, self.degrees.size))
-        initial = np.full((1, self.starts.size - 1), first)
-        kernels.population_response(self.degrees, self.starts, initial, np.array([row]), torque)
-        return torque[0]
-
-    def missing_margin(self, point: Array) -> float:
-        """Returns what is missing to a certificate, at best in the range of the curves."""
-        missing = self.excess(point, everywhere=True)
-        return missing if missing == 0 else min(missing, self.excess(point, everywhere=False))
-
-    def excess(self, point: Array, everywhere: bool) -> float:
-        """Returns by how much the margin falls short, or the lag of the beginning exceeds."""
-        row, first = _unit(point)
-        if everywhere:
-            margin, bound = margin_everywhere(*row)
-        else:
-            margin, bound, _ = margin_in_range(*self.range, *row)
-        _, a, alpha, _, _ = row
-        lag = abs(first - langevin((self.start + alpha * first) / a)[0])
-        # What lacks MARGIN / 2 still passes, but the lag must not exceed its bound at all.
-        return min(max(MARGIN - margin, lag - bound + MARGIN / 2, 0.0), 1.0)
+    return row, float(point[4]) * bound
 
 
 def fit_bouc_wen(
@@ -141,9 +111,11 @@ def fit_bouc_wen(
         The model; `response(angle, initial_torque)` predicts a curve.
     """
     beside = BesidePolynomial(curves, degree=1)
-    search = search_shapes(
-        _Memories(beside), beside.floor, screened=SCREENED, budget=budget, rng=rng
-    )
+    span = beside.high - beside.low
+    ends = zip(YIELD, BEND, SHARPNESS, (-1.0, 1.0), strict=True)
+    box = [(np.log(one * span), bend, np.log(n), start) for one, bend, n, start in ends]
+    shapes = Shapes(beside, box, lambda point: _memory(point, beside.curves))
+    search = search_shapes(shapes, screened=SCREENED, budget=budget, rng=rng)
     assert search.best is not None  # all points are allowed
     z = _memory(search.best, beside.curves)
     offset, elastic = beside.polynomial(z)
@@ -156,21 +128,6 @@ def fit_bouc_wen(
         n=n,
         rest_angle=-offset / elastic if elastic else beside.start,
     )
-
-
-class _Memories:
-    """The errors of Bouc-Wen memories, with the projection done."""
-
-    def __init__(self, beside: BesidePolynomial) -> None:
-        span = beside.high - beside.low
-        self.beside = beside
-        self.low = np.array([np.log(YIELD[0] * span), BEND[0], np.log(SHARPNESS[0]), -1.0])
-        self.high = np.array([np.log(YIELD[1] * span), BEND[1], np.log(SHARPNESS[1]), 1.0])
-
-    def evaluate(self, point: Array) -> Evaluation:
-        """Returns the errors of a point; every one in the box is certified."""
-        errors = self.beside.residual(_memory(point, self.beside.curves))
-        return Evaluation(errors, 0.0, point.copy())
 
 
 def _parameters(point: Array) -> tuple[float, float, float, float]:
@@ -248,33 +205,22 @@ def _fit(
     """Returns the spring, the stiffness, and one friction or one for each way."""
     at_least("degree", degree, 1, LARGEST_DEGREE)
     beside = BesidePolynomial(curves, degree)
-    shapes = _YieldAngles(beside, ways)
-    search = search_shapes(shapes, beside.floor, screened=FEW_SCREENED, budget=budget, rng=rng)
-    assert search.best is not None  # all points are allowed
-    limits = shapes.from_limits(search.best)
-    weights = beside.weights(limits)
-    stiffness = float(weights.sum())
-    frictions = stiffness * np.exp(search.best)
-    return beside.polynomial(limits @ weights), stiffness, frictions.tolist()
 
-
-class _YieldAngles:
-    """The errors of yield angles, one or one for each way, with the projection done."""
-
-    def __init__(self, beside: BesidePolynomial, ways: int) -> None:
-        self.beside = beside
-        self.low, self.high = np.log(np.outer(YIELD, np.full(ways, beside.high - beside.low)))
-
-    def evaluate(self, point: Array) -> Evaluation:
-        """Returns the errors of a point; every one is certified."""
-        limits = self.from_limits(point)
-        errors = self.beside.residual(limits @ self.beside.weights(limits))
-        return Evaluation(errors, 0.0, point.copy())
-
-    def from_limits(self, point: Array) -> Array:
+    def limits(point: Array) -> Array:
         """Returns z for a stiffness of 1, from its upper and its lower limit, (samples, 2)."""
         up, *_, down = 2 * np.exp(point).tolist()
         model = Duhem(spring=(0.0,), stiffness=1.0, friction_up=up, friction_down=down)
-        curves = self.beside.curves
-        columns = [[model.response(one.angle, z) for one in curves] for z in (up, -down)]
+        columns = [[model.response(one.angle, z) for one in beside.curves] for z in (up, -down)]
         return np.stack([np.concatenate(column) for column in columns], axis=1)
+
+    def shape(point: Array) -> Array:
+        from_limits = limits(point)
+        return from_limits @ beside.weights(from_limits)
+
+    box = np.log(np.outer(YIELD, np.full(ways, beside.high - beside.low)))
+    shapes = Shapes(beside, box, shape)
+    search = search_shapes(shapes, screened=FEW_SCREENED, budget=budget, rng=rng)
+    assert search.best is not None  # all points are allowed
+    stiffness = float(beside.weights(limits(search.best)).sum())
+    frictions = stiffness * np.exp(search.best)
+    return beside.polynomial(shape(search.best)), stiffness, frictions.tolist()

@@ -182,7 +182,7 @@ class CertifiedProblem:
         self.objective = CurveObjective(curves, initial_torque=initial_torque)
         self.scale = np.sqrt(self.objective.weight) / self.objective.peak
         self.angle_range = Curves(curves).angle_range
-        self.low_angle, self.high_angle = np.degrees(self.angle_range).tolist()
+        self.degrees: tuple[float, float] = tuple(np.degrees(self.angle_range).tolist())
         self.first_angles = np.degrees([curve.angle[0] for curve in curves])
         self.shape_box = shape_box(curves)
         low, high = self.shape_box
@@ -253,24 +253,7 @@ class CertifiedProblem:
 
     def missing_margin(self, row: Array, first: Array) -> float:
         """Returns what is missing to a certificate with MARGIN, at best in the range."""
-        missing = self.shortfall(row, first, everywhere=True)
-        return missing and min(missing, self.shortfall(row, first, everywhere=False))
-
-    def shortfall(self, row: Array, first: Array, everywhere: bool) -> float:
-        """Returns by how much the margin falls short; an unsafe start counts as MARGIN / 2."""
-        Ms, a, alpha, c, k = row[:5].tolist()
-        if everywhere:
-            margin, bound = margin_everywhere(Ms, a, alpha, c, k)
-        else:
-            low, high = self.low_angle, self.high_angle
-            margin, bound, _ = margin_in_range(low, high, Ms, a, alpha, c, k)
-        lags = [
-            abs(torque - Ms * langevin((angle + alpha * torque) / a)[0])
-            for angle, torque in np.broadcast(self.first_angles, first)
-            if torque  # the box keeps all starts without torque inside the bound
-        ]
-        excess = (max(lags, default=-np.inf) - bound) / Ms
-        return min(max(MARGIN - margin, MARGIN / 2 + excess, 0.0), 1.0)
+        return missing_margin(row, first, self.first_angles, self.degrees)
 
     def result(self, search: Search) -> CertifiedFit:
         """Returns what a search found.
@@ -284,7 +267,7 @@ class CertifiedProblem:
                 "the budget, or check the columns, the sign of the torque and the initial torque"
             )
         first = self.objective.first_torques(search.best)
-        safe = self.shortfall(search.best, first, everywhere=True) <= MARGIN / 2
+        safe = shortfall(search.best, first, self.first_angles) <= MARGIN / 2
         measured = self.objective.initial_torque == "measured"
         return CertifiedFit(
             parameters=search.best[:5],
@@ -296,6 +279,39 @@ class CertifiedProblem:
             starts=search.starts,
             history=tuple(search.history),
         )
+
+
+def missing_margin(
+    row: Array, first: Array | float, angles: Array, inside: tuple[float, float]
+) -> float:
+    """Returns what a model lacks to a certificate with MARGIN, at best in a range of angles.
+
+    Args:
+        row: Ms, a, alpha, c, k in degrees; more numbers are left out.
+        first: Torque with which each curve begins [N·m].
+        angles: Angle at which each curve begins [deg].
+        inside: The range [deg].
+    """
+    missing = shortfall(row, first, angles)
+    return missing and min(missing, shortfall(row, first, angles, inside))
+
+
+def shortfall(
+    row: Array, first: Array | float, angles: Array, inside: tuple[float, float] | None = None
+) -> float:
+    """Returns by how much the margin falls short; an unsafe start counts as MARGIN / 2."""
+    Ms, a, alpha, c, k = row[:5].tolist()
+    if inside is None:
+        margin, bound = margin_everywhere(Ms, a, alpha, c, k)
+    else:
+        margin, bound, _ = margin_in_range(*inside, Ms, a, alpha, c, k)
+    lags = [
+        abs(torque - Ms * langevin((angle + alpha * torque) / a)[0])
+        for angle, torque in np.broadcast(angles, first)
+        if torque  # the box keeps all starts without torque inside the bound
+    ]
+    excess = (max(lags, default=-np.inf) - bound) / Ms
+    return min(max(MARGIN - margin, MARGIN / 2 + excess, 0.0), 1.0)
 
 
 def shape_box(curves: Sequence[Curve]) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Literal, cast, get_args
+from typing import Literal, NamedTuple, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -233,3 +233,33 @@ def price(numbers: int, samples: int) -> float:
         samples: Number of samples that the model is fitted to.
     """
     return float(samples ** (numbers / (2 * samples)))
+
+
+class Fitted(NamedTuple):
+    """Result of a certified fit.
+
+    Attributes:
+        model: A certified and dissipative model, at least with constant torque outside the angles
+            of the curves.
+        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
+            with its first sample.
+        loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
+        evaluations: How often the model ran on all curves; None where the fit does not count.
+        agreed: How many runs from different starts ended here; None where the fit has one start.
+        starts: How many runs there were; None likewise.
+    """
+
+    model: HysteresisModel
+    initial_torque: InitialTorque
+    loss: float
+    evaluations: int | None = None
+    agreed: int | None = None
+    starts: int | None = None
+
+
+def scored(
+    model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
+) -> Fitted:
+    """Returns a fitted model with its NRMSE on curves."""
+    errors = torque_errors(model, initial_torque, curves)
+    return Fitted(model, initial_torque, nrmse(errors, curves))

@@ -2,14 +2,14 @@
 
 A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
 the option `rng` if it depends on random numbers, and returns a model that is certified and
-dissipative, at least with constant torque outside the angles of the curves; or a `FitResult`, which
-has more.
+dissipative, at least with constant torque outside the angles of the curves; or a result that has
+this `model`, and `initial_torque` [N·m], `nrmse` and `evaluations` as `Fitted` describes them.
 """
 
 import inspect
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -26,37 +26,13 @@ from ..data.curves import Curve
 from .beside import Play, Rate, fit_behind_play, fit_beside_rate
 from .beside_polynomial import fit_asymmetric, fit_bouc_wen, fit_dahl, fit_duhem
 from .certified import certified_fit, common_torque
-from .objective import InitialTorque, nrmse, torque_errors
+from .objective import Fitted, scored
 from .weights import fit_hinged_stops, fit_prandtl_ishlinskii, fit_preisach
 
 QUICK = 600  # evaluations of a fit that only compares gaps or rounds
 
 
-class FitResult(Protocol):
-    """A model, with further results of its fit."""
-
-    @property
-    def model(self) -> HysteresisModel:
-        """The certified model."""
-        ...
-
-    @property
-    def initial_torque(self) -> InitialTorque:
-        """The torque with which all curves begin [N·m]; or "measured"."""
-        ...
-
-    @property
-    def nrmse(self) -> float:
-        """The error on the curves that the fit minimized."""
-        ...
-
-    @property
-    def evaluations(self) -> int | None:
-        """How often the model ran on all curves; None if the fit does not count."""
-        ...
-
-
-FitFunction = Callable[..., HysteresisModel | FitResult]
+FitFunction = Callable[..., Any]
 FITS: dict[str, FitFunction] = {
     JilesAtherton.name: certified_fit,
     Asymmetric.name: fit_asymmetric,
@@ -84,28 +60,6 @@ def register_fit(model_name: str, fit: FitFunction) -> None:
         raise InputError(f"model {model_name!r} has a fit already: choose another name")
 
 
-class Fitted(NamedTuple):
-    """Result of a certified fit.
-
-    Attributes:
-        model: A certified and dissipative model, at least with constant torque outside the angles
-            of the curves.
-        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
-            with its first sample.
-        loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
-        evaluations: How often the model ran on all curves; None where the fit does not count.
-        agreed: How many runs from different starts ended here; None where the fit has one start.
-        starts: How many runs there were; None likewise.
-    """
-
-    model: HysteresisModel
-    initial_torque: InitialTorque
-    loss: float
-    evaluations: int | None = None
-    agreed: int | None = None
-    starts: int | None = None
-
-
 def fit_model(
     name: str,
     curves: Sequence[Curve],
@@ -130,28 +84,19 @@ def fit_model(
     """
     takes = inspect.signature(FITS[name]).parameters
     less = {"budget": min(QUICK, options.get("budget", QUICK))} if "budget" in takes else {}
-    if rate != "none" or play != "none":
-        if rate != "none":
-            fit = partial(fit_model, name, rng=rng, play=play, **options)
-            model, start = fit_beside_rate(curves, rate, fit, partial(fit, **less))
-        else:
-            fit = partial(fit_model, name, rng=rng, **options)
-            model, start = fit_behind_play(curves, fit, partial(fit, **less))
-        return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
-    if is_seeded(name):
+    if rate != "none":
+        fit = partial(fit_model, name, rng=rng, play=play, **options)
+        return fit_beside_rate(curves, rate, fit, partial(fit, **less))
+    if play != "none":
+        fit = partial(fit_model, name, rng=rng, **options)
+        return fit_behind_play(curves, fit, partial(fit, **less))
+    if "rng" in takes:
         options["rng"] = rng
     found = FITS[name](curves, **options)
     if isinstance(found, HysteresisModel):
-        start = common_torque(found, curves)
-        return Fitted(found, start, nrmse(torque_errors(found, start, curves), curves))
-    return Fitted(
-        found.model,
-        found.initial_torque,
-        found.nrmse,
-        found.evaluations,
-        getattr(found, "agreed", None),
-        getattr(found, "starts", None),
-    )
+        return scored(found, common_torque(found, curves), curves)
+    optional = (getattr(found, one, None) for one in ("agreed", "starts"))
+    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, *optional)
 
 
 def is_seeded(name: str) -> bool:

@@ -1,11 +1,13 @@
 """The search that all certified fits share, and the projection beside a polynomial."""
 
+import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from scipy.optimize import least_squares, nnls
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares, minimize_scalar, nnls
 
 from ...arrays import Array
 from ...checks import at_least
@@ -255,6 +257,32 @@ class BesidePolynomial:
         return values - self._basis @ (self._basis.T @ values)
 
 
+class Shapes:
+    """The errors of hysteretic torques of some shape beside the best polynomial.
+
+    Args:
+        beside: The curves, and the best polynomial on them.
+        box: Lower and upper bound of each coordinate, shape (2, coordinates).
+        shape: Function from a point to the hysteretic torque along all curves, (samples,).
+        missing: Function from a point to the missing margin; by default every point is certified.
+    """
+
+    def __init__(
+        self,
+        beside: BesidePolynomial,
+        box: ArrayLike,
+        shape: Callable[[Array], Array],
+        missing: Callable[[Array], float] = lambda _: 0.0,
+    ) -> None:
+        self.beside, self.shape, self.missing = beside, shape, missing
+        self.low, self.high = np.array(box, dtype=np.float64)
+
+    def evaluate(self, point: Array) -> Evaluation:
+        """Returns the errors of a point, with the projection done, and its missing margin."""
+        errors = self.beside.residual(self.shape(point))
+        return Evaluation(errors, self.missing(point), point.copy())
+
+
 def common_start(curves: Sequence[Curve]) -> float:
     """Returns the angle [rad] at which all curves begin."""
     starts = [float(curve.angle[0]) for curve in curves]
@@ -268,8 +296,7 @@ def common_start(curves: Sequence[Curve]) -> float:
 
 
 def search_shapes(
-    problem: Problem,
-    floor: float,
+    problem: Shapes,
     *,
     screened: int,
     budget: int,
@@ -278,8 +305,7 @@ def search_shapes(
     """Returns a finished search from the best of some Sobol points, in turn.
 
     Args:
-        problem: The errors of the shapes, with the projection done.
-        floor: The noise of the torque over the peak, which ends the search.
+        problem: The errors of the shapes; the noise of their torque ends the search.
         screened: The number of Sobol points, a power of 2.
         budget: Largest number of evaluations.
         rng: Seed or generator of the Sobol scrambling.
@@ -287,7 +313,7 @@ def search_shapes(
     at_least("budget", budget, screened + 1)
     search = Search(problem, budget)
     starts = search.screened(sobol_points(problem.low, problem.high, screened, rng))
-    search.run(starts, floor, AGREEING)
+    search.run(starts, problem.beside.floor, AGREEING)
     return search
 
 
@@ -301,3 +327,11 @@ def usable(curves: Sequence[Curve]) -> Curves:
     if not any(map(turns_back, chosen)):
         raise InputError("no curve turns back, so nothing shows the hysteresis: measure the return")
     return chosen
+
+
+def least_of(grid: Array, loss: Callable[[float], float]) -> float:
+    """Returns the best of a grid (n,), refined by Brent's bounded search in logarithms."""
+    best = int(np.argmin([loss(point) for point in grid.tolist()]))
+    near = np.log(grid[[max(best - 1, 0), min(best + 1, grid.size - 1)]])
+    found: Any = minimize_scalar(lambda log: loss(math.exp(log)), bounds=near, method="bounded")
+    return math.exp(found.x)

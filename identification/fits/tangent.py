@@ -162,3 +162,8 @@ def independent(columns: Array) -> Array:
         return np.empty((len(columns), 0))
     basis, singular, _ = np.linalg.svd(scaled, full_matrices=False)
     return basis[:, singular > RANK * singular[0]]
+
+
+def beside(basis: Array, columns: Array) -> Array:
+    """Returns what an orthonormal basis (samples, rank) does not explain of columns."""
+    return columns - basis @ (basis.T @ columns)
