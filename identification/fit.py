@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
-from scipy.optimize import OptimizeResult
 
 from ..arrays import Array
 from ..hysteresis.protocol import HysteresisModel
@@ -14,17 +13,14 @@ from .corrections.corrections import Corrected, Corrections
 from .corrections.softening import Softening
 from .data.curves import Curve, Curves
 from .data.parts import thinning_note
-from .fits.certified import paper_model
-from .fits.magnetic import FORMS, magnetic_fit
-from .fits.objective import CurveObjective, InitialTorque, nrmse, predicted, torque_errors
-from .fits.registry import Fitted, fit_model
+from .fits.magnetic import FORMS
+from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
 from .judging.coverage import NESTED, Coverage, coverage, shortfalls
 from .judging.recording import IF_WRONG, recording_faults
 from .judging.remarks import Remark, begins_elsewhere, diagnostics, remarks_on
 from .judging.uncertainty import Uncertainty, uncertainty
 from .judging.verdict import NOT, UNKNOWN, Judgement, judge
 from .methods import Magnetic, Method, Search
-from .swarms.variants import OPTIMIZERS
 
 ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
 OLD_NAMES = {
@@ -245,77 +241,6 @@ def judged_fit(
         tare=curves.tare,
         softening=curves.softening,
     )
-
-
-def fit_trial(
-    curves: Sequence[Curve],
-    model: str,
-    options: dict[str, Any],
-    index: int,
-    seed: np.random.SeedSequence,
-) -> Trial:
-    """Runs the certified fit of a model once."""
-    return _trial(fit_model(model, curves, np.random.default_rng(seed), **options), curves, index)
-
-
-def magnetic_trial(
-    curves: Sequence[Curve],
-    initial_torque: InitialTorque,
-    budget: int,
-    index: int,
-    seed: np.random.SeedSequence,
-) -> Trial:
-    """Fits one form of the Jiles-Atherton model of magnetics; `index` is its place in `FORMS`."""
-    rng = np.random.default_rng(seed)
-    found = magnetic_fit(curves, FORMS[index], rng, budget=budget, initial_torque=initial_torque)
-    return _trial(found, curves, index)
-
-
-def _trial(found: Fitted, curves: Sequence[Curve], index: int) -> Trial:
-    return Trial(
-        index=index,
-        model=found.model,
-        initial_torque=found.initial_torque,
-        nrmse=nrmse(torque_errors(found.model, found.initial_torque, curves), curves),
-        loss=found.loss,
-        evaluations=found.evaluations,
-        agreed=found.agreed,
-        starts=found.starts,
-    )
-
-
-def optimizer_trial(
-    curves: Sequence[Curve],
-    method: str,
-    goal: dict[str, Any],
-    options: dict[str, Any],
-    index: int,
-    seed: np.random.SeedSequence,
-) -> Trial:
-    """Runs an optimizer once on the Jiles-Atherton parameters; `goal` is for `CurveObjective`."""
-    objective = CurveObjective(curves, **goal)
-    run = run_optimizer(objective, method, np.random.default_rng(seed), options)
-    model, start = paper_model(run.x[:5]), objective.initial_torque
-    start = float(run.x[5]) if start == "identified" else start
-    return Trial(
-        index=index,
-        model=model,
-        initial_torque=start,
-        nrmse=nrmse(torque_errors(model, start, curves), curves),
-        loss=float(run.fun),
-        evaluations=objective.evaluations,
-        history=tuple(map(float, run.history)),
-    )
-
-
-def run_optimizer(
-    objective: CurveObjective, method: str, rng: np.random.Generator, options: dict[str, Any]
-) -> OptimizeResult:
-    """Minimizes the objective in the paper's search bounds by the optimizer `method`."""
-    bounds = LI_BOUNDS
-    if objective.initial_torque == "identified":
-        bounds = (*bounds, (-objective.peak, objective.peak))
-    return OPTIMIZERS[method](objective, bounds, rng=rng, **options)
 
 
 def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:

@@ -10,15 +10,19 @@ from joblib import Parallel, delayed
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
+from ..published import LI_BOUNDS
 from .corrections.corrections import Corrected, Corrections, averaged, corrected
 from .data.curves import Curve, Curves, turns_back
 from .data.loop_work import refuse_driven
 from .data.parts import thinned
-from .fit import Fit, Trial, fit_trial, judged_fit, magnetic_trial, optimizer_trial
-from .fits.objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
+from .fit import Fit, Trial, judged_fit
+from .fits.certified import paper_model
+from .fits.magnetic import FORMS, magnetic_fit
+from .fits.objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, nrmse, torque_errors
 from .fits.registry import Fitted, fit_model
 from .judging.coverage import Coverage
 from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
+from .swarms.variants import OPTIMIZERS
 
 Result = TypeVar("Result")
 NONE = Corrections()
@@ -113,17 +117,22 @@ def fit_curves(
     starts = initial_torque is not None and model == DEFAULT_MODEL
     start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}
     ready = prepared(curves, model, corrections, start, seed)
+    measured = ready.measured
     if model != DEFAULT_MODEL or corrections.beside or isinstance(method, Magnetic):
-        refuse_weights(ready.measured)
-    if isinstance(method, Search):
-        goal = {"loss": method.objective, "normalize": method.normalize, **start}
-        run = partial(optimizer_trial, ready.measured, method.name, goal, {**method.options})
-    elif isinstance(method, Magnetic):
-        first = 0.0 if initial_torque is None else initial_torque
-        run = partial(magnetic_trial, ready.measured, first, method.budget)
-    else:
-        options = {**method.options, **start, **corrections.beside}
-        run = partial(fit_trial, ready.measured, model, options)
+        refuse_weights(measured)
+
+    def run(index: int, child: np.random.SeedSequence) -> Trial:
+        rng = np.random.default_rng(child)
+        if isinstance(method, Search):
+            found = searched(measured, method, start, rng)
+        elif isinstance(method, Magnetic):
+            found = magnetic_fit(measured, FORMS[index], rng, budget=method.budget, **start)
+        else:
+            options = {**method.options, **start, **corrections.beside}
+            found = fit_model(model, measured, rng, **options)
+        own = nrmse(torque_errors(found.model, found.initial_torque, measured), measured)
+        return Trial(index=index, nrmse=own, **found._asdict())
+
     seeds = np.random.SeedSequence(seed).spawn(method.trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
@@ -137,6 +146,20 @@ def fit_curves(
         fitted_start=fits_start(model, initial_torque),
         interrupted=interrupted,
     )
+
+
+def searched(
+    curves: Sequence[Curve], method: Search, start: dict[str, Any], rng: np.random.Generator
+) -> Fitted:
+    """Runs an optimizer once on the Jiles-Atherton parameters, in the paper's search bounds."""
+    goal = CurveObjective(curves, loss=method.objective, normalize=method.normalize, **start)
+    bounds = LI_BOUNDS
+    if goal.initial_torque == "identified":
+        bounds = (*bounds, (-goal.peak, goal.peak))
+    run = OPTIMIZERS[method.name](goal, bounds, rng=rng, **method.options)
+    first = float(run.x[5]) if goal.initial_torque == "identified" else goal.initial_torque
+    history = tuple(map(float, run.history))
+    return Fitted(paper_model(run.x[:5]), first, float(run.fun), goal.evaluations, history=history)
 
 
 def fits_start(model: str, initial_torque: InitialTorque | None) -> bool:

@@ -85,14 +85,9 @@ class Search:
         at_least("trials", trials, 1)
         if name not in OPTIMIZERS:
             raise _unknown_method(name, OPTIMIZERS)
-        for field_name, value in (
-            ("name", name),
-            ("objective", objective),
-            ("normalize", normalize),
-            ("trials", trials),
-            ("options", options),
-        ):
-            object.__setattr__(self, field_name, value)
+        given = {"name": name, "objective": objective, "normalize": normalize}
+        for key, value in (given | {"trials": trials, "options": options}).items():
+            object.__setattr__(self, key, value)
 
     def check(self, model: str) -> None:
         """Refuses a model that a search cannot identify, and unknown options."""

@@ -247,6 +247,7 @@ class Fitted(NamedTuple):
         evaluations: How often the model ran on all curves; None where the fit does not count.
         agreed: How many runs from different starts ended here; None where the fit has one start.
         starts: How many runs there were; None likewise.
+        history: The smallest objective so far, as an optimizer tells it.
     """
 
     model: HysteresisModel
@@ -255,6 +256,7 @@ class Fitted(NamedTuple):
     evaluations: int | None = None
     agreed: int | None = None
     starts: int | None = None
+    history: tuple[float, ...] = ()
 
 
 def scored(

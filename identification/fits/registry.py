@@ -95,8 +95,8 @@ def fit_model(
     found = FITS[name](curves, **options)
     if isinstance(found, HysteresisModel):
         return scored(found, common_torque(found, curves), curves)
-    optional = (getattr(found, one, None) for one in ("agreed", "starts"))
-    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, *optional)
+    starts = {name: getattr(found, name, None) for name in ("agreed", "starts")}
+    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, **starts)
 
 
 def is_seeded(name: str) -> bool:

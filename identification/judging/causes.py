@@ -16,7 +16,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.protocol import HysteresisModel
-from ..data.curves import Curve
+from ..data.curves import Curve, Curves
 from ..fits.objective import InitialTorque, predicted
 from ..fits.tangent import Coordinates
 from .faults import Fault, Hypothesis, fault_remark, hypotheses
@@ -57,21 +57,49 @@ class Cause:
     explained: Explained
     left: float
 
+    def to_dict(self) -> dict[str, object]:
+        """Returns curve, size and probability as plain values."""
+        probability = self.explained.probability
+        return {"curve": self.curve, "size": self.size, "probability": probability}
+
     @property
     def remark(self) -> Remark:
         """The fault in words, and its remedy."""
         return fault_remark(self.name, self.size, self.curve)
 
 
-class Linear(NamedTuple):
-    """A fault as one column beside the derivatives of a fit.
+class Residual(NamedTuple):
+    """The residual of a fit, and what it is tested against.
+
+    Residual, slopes and smooth columns are divided by the relative deviation of the noise.
 
     Attributes:
-        hypothesis: The fault.
-        column: What a fault of size 1 adds to the torque, shape (samples,).
-        size: Its coefficient.
-        explained: F test of the column.
+        coordinates: Fitted model and initial torque.
+        curves: Fitted curves, in the order of measurement.
+        values: Measured less fitted torque [N·m], shape (samples,).
+        slopes: Derivatives of the torque with respect to the fitted parameters, shape
+            (samples, p).
+        smooth: Columns that may explain what remains, shape (samples, q).
+        scale: Relative deviation of the noise of each sample, shape (samples,).
+        known: Noise known from repeated curves; None estimates it.
     """
+
+    coordinates: Coordinates
+    curves: Curves
+    values: Array
+    slopes: Array
+    smooth: Array
+    scale: Array
+    known: Noise | None
+
+    @property
+    def sizes(self) -> list[int]:
+        """Number of samples of each curve."""
+        return [curve.torque.size for curve in self.curves]
+
+
+class Linear(NamedTuple):
+    """A fault as one column (samples,) beside the derivatives of a fit, with its F test."""
 
     hypothesis: Hypothesis
     column: Array
@@ -96,50 +124,27 @@ class Beside(NamedTuple):
     added: Array
 
 
-def causes(
-    coordinates: Coordinates,
-    curves: Sequence[Curve],
-    residual: Array,
-    slopes: Array,
-    smooth: Array,
-    scale: Array,
-    known: Noise | None = None,
-) -> list[Cause]:
-    """Returns the fault, or the two, that explain a residual down to the noise.
-
-    Residual, slopes and smooth columns are divided by the relative deviation of the noise.
-
-    Args:
-        coordinates: Fitted model and initial torque.
-        curves: Fitted curves, in the order of measurement.
-        residual: Residual of the fit [N·m], shape (samples,).
-        slopes: Derivatives of the torque with respect to the fitted parameters, shape
-            (samples, p).
-        smooth: Columns that may explain what remains, shape (samples, q).
-        scale: Relative deviation of the noise of each sample, shape (samples,).
-        known: Noise known from repeated curves; None estimates it.
-    """
-    model, start = coordinates.at(coordinates.point)
-    columns = [(one, column / scale) for one, column in _columns(model, start, curves)]
-    lengths = [curve.torque.size for curve in curves]
-
-    nothing = Beside(residual, slopes, np.empty(0), np.empty((residual.size, 0)))
-    alone = _likely(columns, nothing, lengths, known, below=SCREENED)
+def causes(rest: Residual) -> list[Cause]:
+    """Returns the fault, or the two, that explain a residual down to the noise."""
+    model, start = rest.coordinates.at(rest.coordinates.point)
+    columns = [(one, column / rest.scale) for one, column in _columns(model, start, rest.curves)]
+    nothing = Beside(rest.values, rest.slopes, np.empty(0), np.empty((rest.values.size, 0)))
+    alone = _likely(rest, columns, nothing, below=SCREENED)
     pairs = []
     for groups in ([(one,) for one in alone], pairs):
         right = []
         for faults in groups:
-            fit = _fitted(coordinates, curves, residual, slopes, scale, faults)
+            fit = _fitted(rest, faults)
             if fit is None:
                 continue
-            if explained(fit.residual, fit.slopes, smooth, lengths, known).probability >= ENOUGH:
-                proofs = _proofs(fit, faults, lengths, known)
+            left = explained(fit.residual, fit.slopes, rest.smooth, rest.sizes, rest.known)
+            if left.probability >= ENOUGH:
+                proofs = _proofs(rest, fit, faults)
                 if all(one.probability < RARE for one in proofs):
                     right.append((faults, fit, proofs))
             elif len(faults) == 1 and faults[0].explained.probability < RARE:
-                others = _likely(
-                    columns, fit, lengths, known, below=RARE, but=faults[0].hypothesis.name
-                )
+                name = faults[0].hypothesis.name
+                others = _likely(rest, columns, fit, below=RARE, but=name)
                 pairs += [(*faults, other) for other in others[:SECOND]]
         if right:
             faults, fit, proofs = min(right, key=lambda some: _criterion(*some[:2]))
@@ -151,27 +156,23 @@ def causes(
     return []
 
 
-def _proofs(
-    fit: Beside, faults: Sequence[Linear], lengths: Sequence[int], known: Noise | None
-) -> list[Explained]:
+def _proofs(rest: Residual, fit: Beside, faults: Sequence[Linear]) -> list[Explained]:
     """Returns the surer F test of each fault: by its column, or by what it adds at its size."""
     first, found = fit.slopes.shape[1] - fit.sizes.size, []
     for i, (one, added) in enumerate(zip(faults, fit.added.T, strict=True)):
         others = np.delete(fit.slopes, first + i, axis=1)
-        test = _surest(fit.residual + added, others, added, lengths, known)
+        test = _surest(rest, fit.residual + added, others, added)
         found.append(min(test, one.explained, key=lambda some: some.probability))
     return found
 
 
-def _surest(
-    residual: Array, slopes: Array, column: Array, lengths: Sequence[int], known: Noise | None
-) -> Explained:
+def _surest(rest: Residual, residual: Array, slopes: Array, column: Array) -> Explained:
     """Returns the F test of a column under the noise of repeats or of the residual.
 
     One pair of repeats says little of slow noise, and so would make few faults certain.
     """
-    noises = (known, None) if known else (None,)
-    tests = [explained(residual, slopes, column[:, None], lengths, one) for one in noises]
+    noises = (rest.known, None) if rest.known else (None,)
+    tests = [explained(residual, slopes, column[:, None], rest.sizes, one) for one in noises]
     return min(tests, key=lambda one: one.probability)
 
 
@@ -200,10 +201,9 @@ def _columns(
 
 
 def _likely(
+    rest: Residual,
     columns: Sequence[tuple[Hypothesis, Array]],
     fit: Beside,
-    lengths: Sequence[int],
-    known: Noise | None,
     *,
     below: float,
     but: str = "",
@@ -214,11 +214,11 @@ def _likely(
     for hypothesis, column in columns:
         if hypothesis.name == but:
             continue
-        rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
-        if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
+        alone = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
+        if np.linalg.norm(alone) <= NEGLIGIBLE * np.linalg.norm(column):
             continue
-        test = _surest(residual, slopes, column, lengths, known)
-        size = _coefficient(residual, slopes, column, lengths, test.noise)
+        test = _surest(rest, residual, slopes, column)
+        size = _coefficient(residual, slopes, column, rest.sizes, test.noise)
         if test.probability >= below or (hypothesis.name in NEVER_BELOW_ZERO and size < 0):
             continue
         best = found.get(hypothesis.name)
@@ -227,22 +227,16 @@ def _likely(
     return sorted(found.values(), key=lambda one: -one.explained.statistic)[:TRIED]
 
 
-def _fitted(
-    coordinates: Coordinates,
-    curves: Sequence[Curve],
-    residual: Array,
-    slopes: Array,
-    scale: Array,
-    faults: Sequence[Linear],
-) -> Beside | None:
+def _fitted(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
     """Returns faults that are fitted beside the model; None if one is not plausible."""
-    if coordinates.point.size <= FEW:
-        found = _anew(coordinates, curves, scale, faults)
+    if rest.coordinates.point.size <= FEW:
+        found = _anew(rest, faults)
     else:
-        both = np.column_stack([slopes, *(one.column for one in faults)])
-        best: Array = np.asarray(np.linalg.lstsq(both, residual, rcond=None)[0], dtype=np.float64)
-        sizes = best[slopes.shape[1] :]
-        found = Beside(residual - both @ best, both, sizes, both[:, slopes.shape[1] :] * sizes)
+        count = rest.slopes.shape[1]
+        both = np.column_stack([rest.slopes, *(one.column for one in faults)])
+        best: Array = np.asarray(np.linalg.lstsq(both, rest.values, rcond=None)[0], np.float64)
+        sizes = best[count:]
+        found = Beside(rest.values - both @ best, both, sizes, both[:, count:] * sizes)
     if found is None:
         return None
     for one, size in zip(faults, found.sizes.tolist(), strict=True):
@@ -253,12 +247,11 @@ def _fitted(
     return found
 
 
-def _anew(
-    coordinates: Coordinates, curves: Sequence[Curve], scale: Array, faults: Sequence[Linear]
-) -> Beside | None:
+def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
     """Fits model and faults together by least squares; None where that fails."""
     from scipy.optimize import least_squares  # slow to import
 
+    coordinates, curves, scale = rest.coordinates, rest.curves, rest.scale
     measured = np.concatenate([curve.torque for curve in curves])
     count = coordinates.point.size
     far = 10 * np.abs(measured).max()

@@ -20,59 +20,22 @@ from ..fits.certified import EXCESS, SHAPE
 from ..fits.objective import InitialTorque
 from ..fits.search import MARGIN
 
-Code = Literal[
-    "coverage",
-    "disorder",
-    "unit",
-    "clock",
-    "coarse",
-    "encoder",
-    "copy",
-    "work",
-    "sign",
-    "exchanged",
-    "clipped",
-    "turn",
-    "label",
-    "range",
-    "certificate",
-    "form",
-    "limit",
-    "misfit",
-    "nothing",
-    "outliers",
-    "tare",
-    "open",
-    "rate",
-    "lag",
-    "play",
-    "gap",
-    "drift",
-    "offset",
-    "gain",
-    "softening",
-    "search",
-    "wandering",
-    "memoryless",
-    "start",
-    "thinned",
+# Of the curves: they do not cover the intended motion (`coverage`), are noisy or not in order
+# (`disorder`), give energy back (`work`), a torque that falls where the angle rises (`sign`),
+# exchanged columns, a turn that is missing, one label for several curves, a part of the samples.
+OfCurves = Literal[
+    "coverage", "disorder", "unit", "clock", "coarse", "encoder", "copy", "outliers", "work"
 ]
-"""What a remark is about.
-
-The curves: `coverage` (they do not cover the intended motion), `disorder` (noisy or not in order),
-`unit`, `clock`, `coarse`, `encoder`, `copy`, `outliers`, `work` (the loops give energy back),
-`sign` (the torque falls where the angle rises), `exchanged` (the columns of angle and torque),
-`clipped`, `turn` (it is missing), `label` (one for several curves), `thinned` (a part of the
-samples is used).
-The model: `range` (safe between some angles), `form` (others fit as well), `certificate` and
-`limit` (the fit ended at a limit),
-`misfit`, `nothing` (nothing is explained), `search` (ended early), `wandering` (noise or misfit),
-`memoryless` (no memory is needed), `start` (where curves and model begin).
-Faults of the measurement, or terms that were not found: `tare`, `open` (the offset that was asked
-for is not determined), `rate`, `lag`, `play`, `gap`, `drift`, `offset` and `gain` of one curve,
-`softening`.
-"""
-
+OfColumns = Literal["sign", "exchanged", "clipped", "turn", "label", "thinned"]
+# Of the model: safe between some angles (`range`), others fit as well (`form`), the fit ended at a
+# limit (`certificate`, `limit`), nothing is explained, ended early (`search`), noise or misfit
+# (`wandering`), no memory is needed, where curves and model begin (`start`).
+OfModel = Literal["range", "form", "certificate", "limit", "misfit", "nothing", "search"]
+OfKind = Literal["wandering", "memoryless", "start"]
+# Faults of the measurement, or terms that were not found; `open` is an offset that was asked for
+# and is not determined, `offset` and `gain` are those of one curve.
+OfMeasurement = Literal["tare", "open", "rate", "lag", "play", "gap", "drift", "offset", "gain"]
+Code = OfCurves | OfColumns | OfModel | OfKind | OfMeasurement | Literal["softening"]
 _PARTS = {
     **dict.fromkeys(("tare", "rate", "play", "softening"), "corrections=Corrections({})"),
     "objective": "method=Search(..., {})",

@@ -146,6 +146,11 @@ def uncertainty(
     limit = _binding(coordinates)
     intervals = _intervals(coordinates, covariance, limit, noise)
     deviation = np.sqrt(np.diag(covariance))
+    repeated = _repetitions(model, initial_torque, measured, noise, allowed, samples, seed)
+    refits = tuple(
+        _refitted(model, one, initial_torque, fitted_start, damping, seed)
+        for one, damping in repeated
+    )
     steps = np.where(
         np.isfinite(coordinates.least), 1.0, np.maximum(np.abs(coordinates.values), STEP)
     )
@@ -160,16 +165,7 @@ def uncertainty(
             *open_ends(coordinates, intervals),
         ),
         intervals=intervals,
-        samples=_refits(
-            model,
-            measured,
-            noise,
-            allowed,
-            initial_torque=initial_torque,
-            fitted_start=fitted_start,
-            samples=samples,
-            seed=seed,
-        ),
+        samples=refits,
         offset=allowed.offset,
         left_open=allowed.left_open,
         offset_open=() if allowed.offset else (kind_of(model),),
@@ -253,9 +249,13 @@ def _bare(model: HysteresisModel) -> JilesAtherton | None:
     return inner if is_exact(inner.parameter_vector) else None
 
 
-def _row(model: JilesAtherton) -> Array:
+def _row(
+    model: JilesAtherton, start: InitialTorque, fitted_start: bool
+) -> tuple[Array, InitialTorque]:
+    """Returns a row and an initial torque as `CurveObjective` takes them."""
     degrees = model.in_unit("deg")
-    return np.array([getattr(degrees, name) for name in PARAMETERS])
+    row = np.array([getattr(degrees, name) for name in PARAMETERS])
+    return (np.append(row, float(start)), "identified") if fitted_start else (row, start)
 
 
 def _directions(
@@ -270,46 +270,12 @@ def _directions(
         return
     if isinstance(model, Clipped):
         curves = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in curves]
-    row = _row(inner)
-    if fitted_start:
-        row = np.append(row, float(initial_torque))
-        initial_torque = "identified"
-    likelihood = Likelihood(CurveObjective(curves, initial_torque=initial_torque), row)
+    row, start = _row(inner, initial_torque, fitted_start)
+    likelihood = Likelihood(CurveObjective(curves, initial_torque=start), row)
     unit = UNIT_PER_RADIAN[inner.angle_unit] / UNIT_PER_RADIAN["deg"]
     units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
     unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
     yield from sloppy_directions(likelihood, units, unit_names)
-
-
-def _refits(
-    model: HysteresisModel,
-    curves: Sequence[Curve],
-    noise: Noise,
-    allowed: Systematic,
-    *,
-    initial_torque: InitialTorque,
-    fitted_start: bool,
-    samples: int,
-    seed: int,
-) -> tuple[HysteresisModel, ...]:
-    """Returns the models that fits to repetitions of a model's own curves find.
-
-    Args:
-        model: Model that makes the curves.
-        curves: Curves whose motions are repeated.
-        noise: Noise of the torque.
-        allowed: Systematic errors, of which each repetition has others.
-        initial_torque: Torque with which every curve begins [N·m]; or "measured".
-        fitted_start: Whether the fit chooses that torque.
-        samples: Number of models.
-        seed: Seed of all that is drawn.
-    """
-    repetitions = _repetitions(model, initial_torque, curves, noise, allowed, samples, seed)
-    found = []
-    for repetition, damping in repetitions:
-        refit = _refitted(model, repetition, initial_torque, fitted_start, seed)
-        found.append(Viscoelastic(model=refit, damping=damping) if damping > 0 else refit)
-    return tuple(found)
 
 
 def _repetitions(
@@ -321,7 +287,7 @@ def _repetitions(
     samples: int,
     seed: int,
 ) -> Iterator[tuple[list[Curve], float]]:
-    """Yields the curves of the model with noise and an offset of their own, and a damping.
+    """Yields a model's own curves with other noise and another offset, and a damping.
 
     The torque of the damping is off the curves, since the joint has it beside the model.
     """
@@ -349,19 +315,19 @@ def _refitted(
     curves: Sequence[Curve],
     initial_torque: InitialTorque,
     fitted_start: bool,
+    damping: float,
     seed: int,
 ) -> HysteresisModel:
-    """Returns the model that a fit of the same kind finds on other curves."""
+    """Returns the model that a fit of the same kind finds on other curves, beside a damping."""
     if isinstance(model, JilesAtherton) and model.clamp != "none":
         raise InputError("the model is one of magnetics, whose fit is not repeated: samples=0")
-    inner = _bare(model)
+    inner, name = _bare(model), kind_of(model)
     if inner is not None:
-        row = _row(inner)
-        if fitted_start:
-            row = np.append(row, float(initial_torque))
-            initial_torque = "identified"
-        return refined(curves, row, initial_torque=initial_torque).model
-    rate, play, name = rate_of(model), play_of(model), kind_of(model)
-    if name not in FITS:
+        row, start = _row(inner, initial_torque, fitted_start)
+        found: HysteresisModel = refined(curves, row, initial_torque=start).model
+    elif name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
-    return fit_model(name, curves, np.random.default_rng(seed), rate=rate, play=play).model
+    else:
+        rng, rate, play = np.random.default_rng(seed), rate_of(model), play_of(model)
+        found = fit_model(name, curves, rng, rate=rate, play=play).model
+    return Viscoelastic(model=found, damping=damping) if damping > 0 else found

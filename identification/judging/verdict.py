@@ -11,11 +11,11 @@ from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.branches import Branches, spring, spring_with_friction, two_branches
 from ...hysteresis.protocol import HysteresisModel
-from ..data.curves import Curve, Curves
+from ..data.curves import Curve
 from ..data.parts import Question, thinned
 from ..fits.objective import InitialTorque, nrmse, torque_errors
 from ..fits.tangent import coordinates_of, independent, tangent
-from .causes import Cause, causes
+from .causes import Cause, Residual, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, outliers, repeated_noise, smooth_columns
 from .noise import Noise, smoother_noise, uneven_noise
 from .remarks import Remark
@@ -77,7 +77,6 @@ class Judgement:
             (what is left is noise that wanders, or a misfit), or "does not describe the curves".
         times_noise: Root mean square of the residual over the bound of the noise.
         misfit: The F test of the residual's smooth part.
-        noise: Noise of the torque, beside the parts that the F test takes as misfit.
         noise_bound: Deviation of that noise, of repeated curves if there are any, and at most that
             of what a smooth curve through each branch leaves [N·m].
         causes: One or two faults of the measurement that explain the residual down to the noise.
@@ -88,11 +87,15 @@ class Judgement:
     verdict: str
     times_noise: float
     misfit: Explained
-    noise: Noise
     noise_bound: float
     causes: tuple[Cause, ...]
     baselines: dict[str, float]
     remarks: tuple[Remark, ...]
+
+    @property
+    def noise(self) -> Noise:
+        """Noise of the torque, beside the parts that the F test takes as misfit."""
+        return self.misfit.noise
 
     def to_dict(self) -> dict[str, object]:
         """Returns everything as plain values."""
@@ -109,14 +112,7 @@ class Judgement:
                 "probability": self.misfit.probability,
                 "threshold": UNLIKELY,
             },
-            "causes": {
-                one.name: {
-                    "curve": one.curve,
-                    "size": one.size,
-                    "probability": one.explained.probability,
-                }
-                for one in self.causes
-            },
+            "causes": {one.name: one.to_dict() for one in self.causes},
             "baselines": self.baselines,
         }
 
@@ -157,28 +153,23 @@ def judge(
     torque = np.concatenate([curve.torque for curve in family]) - whole
     uneven = uneven_noise(whole, torque, sizes)
     scale = uneven.at(torque)
-    residual, slopes = whole / scale, reached / scale[:, None]
     known, smooth = repeated_noise(family, uneven), smooth_columns(family) / scale[:, None]
-    misfit = explained(residual, slopes, smooth, sizes, known, uneven)
+    rest = Residual(
+        coordinates, family, whole / scale, reached / scale[:, None], smooth, scale, known
+    )
+    misfit = explained(rest.values, rest.slopes, smooth, sizes, known, uneven)
     bound = misfit.noise.deviation if known else min(misfit.noise.deviation, smoother_noise(family))
     own = nrmse(whole, family)
-    matters = own > MATTERS
-    left = math.sqrt(float(residual @ residual) / max(residual.size - slopes.shape[1], 1))
+    left = math.sqrt(float(rest.values @ rest.values) / max(whole.size - reached.shape[1], 1))
     found = _Findings(
-        family=family,
-        residual=residual,
-        scale=scale,
-        known=known,
+        rest=rest,
         misfit=misfit,
         bound=bound,
         times_noise=left / max(bound, np.finfo(float).tiny),
         own=own,
         constant=float(np.std(np.concatenate([curve.torque for curve in family]))) / family.peak,
-        surely=misfit.probability < UNLIKELY and matters,
         unfinished=_unfinished(whole, reached) if searched else 1.0,
-        causes=causes(coordinates, family, residual, slopes, smooth, scale, known)
-        if matters
-        else [],
+        causes=tuple(causes(rest)) if own > MATTERS else (),
         baselines=baseline_errors(family),
     )
     describes = NOT_BEYOND if beyond else DESCRIBES
@@ -186,9 +177,8 @@ def judge(
         verdict=NOT if found.wrong else UNKNOWN if found.doubts else describes,
         times_noise=found.times_noise,
         misfit=misfit,
-        noise=misfit.noise,
         noise_bound=bound,
-        causes=tuple(found.causes),
+        causes=found.causes,
         baselines=found.baselines,
         remarks=tuple(_remarks(found)),
     )
@@ -198,34 +188,31 @@ class _Findings(NamedTuple):
     """What a residual says, from which verdict and remarks follow.
 
     Attributes:
-        family: The curves that are judged.
-        residual: Measured less fitted torque over the scale [N·m].
-        scale: Relative deviation of the noise of each sample.
-        known: Noise from repeated measurements; None without any.
+        rest: The residual.
         misfit: The part of the residual that is not noise.
         bound: Deviation that the noise has at most [N·m].
         times_noise: The residual over that bound.
         own: NRMSE of the fit.
         constant: NRMSE of a constant torque.
-        surely: Whether the misfit is hardly due to chance, and large enough to matter.
         unfinished: Error over the least one nearby.
         causes: Faults that explain the residual down to the noise.
         baselines: NRMSE of models without memory, by name.
     """
 
-    family: Curves
-    residual: Array
-    scale: Array
-    known: Noise | None
+    rest: Residual
     misfit: Explained
     bound: float
     times_noise: float
     own: float
     constant: float
-    surely: bool
     unfinished: float
-    causes: list[Cause]
+    causes: tuple[Cause, ...]
     baselines: dict[str, float]
+
+    @property
+    def surely(self) -> bool:
+        """Whether the misfit is hardly due to chance, and large enough to matter."""
+        return self.misfit.probability < UNLIKELY and self.own > MATTERS
 
     @property
     def nothing(self) -> bool:
@@ -257,7 +244,7 @@ class _Findings(NamedTuple):
                 f"the residual has a smooth part, which noise alone leaves in at most "
                 f"{_seldom(self.misfit):.0e} of all fits (reported below {UNLIKELY:g})"
             )
-        if self.known is None and self.own > WITHOUT_REPEATS:
+        if self.rest.known is None and self.own > WITHOUT_REPEATS:
             found.append(f"the error is {self.own:.1%} of the peak")
         return found
 
@@ -265,7 +252,7 @@ class _Findings(NamedTuple):
     def explained(self) -> float:
         """The residual over what is left if the causes are fitted too."""
         left = min((one.left for one in self.causes), default=np.inf)
-        return float(np.sqrt(np.mean(self.residual**2))) / left
+        return float(np.sqrt(np.mean(self.rest.values**2))) / left
 
 
 def _seldom(misfit: Explained) -> float:
@@ -283,7 +270,8 @@ def _remarks(found: _Findings) -> Iterator[Remark]:
             f"the model explains next to nothing of the torque (NRMSE {own:.2%}, a constant torque "
             f"{found.constant:.2%}): check the columns, or measure larger motions",
         )
-    yield from outliers(found.residual, found.family, found.scale, is_misfit=found.surely)
+    rest = found.rest
+    yield from outliers(rest.values, rest.curves, rest.scale, is_misfit=found.surely)
     yield from (cause.remark for cause in found.causes)
     if found.unfinished >= UNFINISHED and own > MATTERS:
         less = 1 - 1 / found.unfinished
@@ -322,15 +310,14 @@ def _unfinished(residual: Array, slopes: Array) -> float:
 
 
 def _misfit_remark(found: _Findings) -> Remark:
-    if found.known:
-        origin = "of repeated curves"
-    else:
-        origin = "that smooth curves through the branches leave"
+    smooth = "that smooth curves through the branches leave"
+    origin = "of repeated curves" if found.rest.known else smooth
+    share = found.bound / found.rest.curves.peak
     return Remark(
         "misfit",
-        f"the residual is {found.times_noise:.2f} times the noise {origin} "
-        f"({found.bound / found.family.peak:.2%} of the peak), and noise alone leaves so smooth a "
-        f"residual in at most {_seldom(found.misfit):.0e} of all fits (reported below "
-        f"{UNLIKELY:g}): check columns, order and beginning of the curves, or choose another model",
+        f"the residual is {found.times_noise:.2f} times the noise {origin} ({share:.2%} of the "
+        f"peak), and noise alone leaves so smooth a residual in at most "
+        f"{_seldom(found.misfit):.0e} of all fits (reported below {UNLIKELY:g}): check columns, "
+        "order and beginning of the curves, or choose another model",
         ("method", "auto"),
     )
