@@ -14,7 +14,7 @@ from .corrections.softening import Softening
 from .data.curves import Curve, Curves
 from .data.parts import thinning_note
 from .fits.magnetic import FORMS
-from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
+from .fits.objective import Fitted, InitialTorque, nrmse, predicted, torque_errors
 from .judging.coverage import NESTED, Coverage, coverage, shortfalls
 from .judging.recording import IF_WRONG, recording_faults
 from .judging.remarks import Remark, begins_elsewhere, diagnostics, remarks_on
@@ -30,33 +30,16 @@ OLD_NAMES = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trial:
-    """One independent run of a method.
+class Trial(Fitted):
+    """One independent run of a method, with all that `Fitted` has.
 
     Attributes:
         index: The number of the trial, which determines its random numbers.
-        model: The model that it found; if it is safe at the fitted angles only, its torque is
-            constant outside them.
-        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
-            with its first sample.
         nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        loss: The objective that the method minimized: the NRMSE, or the one that was asked for.
-        evaluations: How often the model ran on all curves; None where the fit does not count.
-        agreed: How many runs from different starts of a certified fit ended at this model; None
-            where it has one start.
-        starts: How many runs there were; None likewise.
-        history: The smallest objective so far, as the optimizer tells it; per iteration of a swarm.
     """
 
     index: int
-    model: HysteresisModel
-    initial_torque: InitialTorque
     nrmse: float
-    loss: float
-    evaluations: int | None
-    agreed: int | None = None
-    starts: int | None = None
-    history: tuple[float, ...] = field(default=(), repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,7 @@ from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
 from ..published import LI_BOUNDS
 from .corrections.corrections import Corrected, Corrections, averaged, corrected
-from .data.curves import Curve, Curves, turns_back
-from .data.loop_work import refuse_driven
+from .data.curves import Curve, Curves, refuse_driven, turns_back
 from .data.parts import thinned
 from .fit import Fit, Trial, judged_fit
 from .fits.certified import paper_model
@@ -131,7 +130,7 @@ def fit_curves(
             options = {**method.options, **start, **corrections.beside}
             found = fit_model(model, measured, rng, **options)
         own = nrmse(torque_errors(found.model, found.initial_torque, measured), measured)
-        return Trial(index=index, nrmse=own, **found._asdict())
+        return Trial(index=index, nrmse=own, **vars(found))
 
     seeds = np.random.SeedSequence(seed).spawn(method.trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]

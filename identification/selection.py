@@ -67,11 +67,6 @@ class Choice(NamedTuple):
     baselines: dict[str, float]
 
     @property
-    def good(self) -> list[Candidate]:
-        """The candidates that predict nearly as well as the best."""
-        return as_good(self.candidates)
-
-    @property
     def unneeded(self) -> str:
         """Why no hysteresis model is needed, as a sentence; empty if one is."""
         name = min(self.baselines, key=lambda one: self.baselines[one], default="")
@@ -362,7 +357,7 @@ def _open_offset(
         seed: Seed of the fits.
         options: Options of the candidates' fits, by model.
     """
-    for rival in choice.good:
+    for rival in as_good(choice.candidates):
         if rival.name in ITS_OWN:
             continue
 

@@ -12,8 +12,8 @@ from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.loops import reversals
 from ..data.curves import Curve, Curves
-from ..fits.beside import Fitted
 from ..fits.objective import predicted, price
+from ..fits.registry import Fitted
 from ..fits.search import least_of
 from ..fits.tangent import beside, coordinates_of, independent, tangent
 

@@ -12,8 +12,7 @@ from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
 from ...hysteresis.jiles_atherton.model import Form, JilesAtherton
-from ..data.curves import Curve, Curves
-from ..data.loop_work import SURELY, loop_work
+from ..data.curves import SURELY, Curve, Curves, loop_work
 from .objective import CurveObjective, InitialTorque, torque_errors
 from .registry import Fitted
 from .search import REJECTED, Evaluation, Search, sobol_points

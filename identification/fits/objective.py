@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Literal, NamedTuple, cast, get_args
+from typing import Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -235,19 +235,22 @@ def price(numbers: int, samples: int) -> float:
     return float(samples ** (numbers / (2 * samples)))
 
 
-class Fitted(NamedTuple):
-    """Result of a certified fit.
+@dataclass(frozen=True)
+class Fitted:
+    """Result of one run of a fit.
 
     Attributes:
-        model: A certified and dissipative model, at least with constant torque outside the angles
-            of the curves.
+        model: The model that it found; if the model is safe at the fitted angles only, its torque
+            is constant outside them.
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
-        loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
+        loss: The objective that the fit minimized: the NRMSE, that of Jiles-Atherton with the
+            weights of the curves; or the one that was asked for.
         evaluations: How often the model ran on all curves; None where the fit does not count.
-        agreed: How many runs from different starts ended here; None where the fit has one start.
+        agreed: How many runs from different starts of a certified fit ended at this model; None
+            where the fit has one start.
         starts: How many runs there were; None likewise.
-        history: The smallest objective so far, as an optimizer tells it.
+        history: The smallest objective so far, as an optimizer tells it; per iteration of a swarm.
     """
 
     model: HysteresisModel
@@ -256,7 +259,7 @@ class Fitted(NamedTuple):
     evaluations: int | None = None
     agreed: int | None = None
     starts: int | None = None
-    history: tuple[float, ...] = ()
+    history: tuple[float, ...] = field(default=(), repr=False)
 
 
 def scored(

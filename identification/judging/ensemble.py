@@ -19,7 +19,6 @@ from ...errors import InputError, shown
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..data.files import Motion
-from ..data.parts import thinned
 from ..fits.certified import begins_safely
 from ..fits.objective import InitialTorque, predicted, torque_errors
 from ..fits.registry import fit_model
@@ -258,7 +257,7 @@ def drawn(
     """
     at_least("samples", samples, 0)
     check_seed(seed)
-    measured = thinned(Curves(curves).fitted())
+    measured = Curves(curves).fitted()
     start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
     can_begin = [one for one in found.members if begins_safely(one.model, start, measured)]
     counts = shared([one.weight for one in can_begin], samples)

@@ -6,8 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from ...hysteresis.loops import angle_noise, reversals
-from ..data.curves import Curve, Curves, noise_floor
-from ..data.loop_work import SURELY, loop_work
+from ..data.curves import SURELY, Curve, Curves, loop_work, noise_floor
 from .remarks import Remark
 
 LITTLE_MOTION = 0.05  # smallest plausible range of angles [rad]

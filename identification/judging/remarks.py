@@ -15,9 +15,9 @@ from ...hysteresis.protocol import HysteresisModel
 from ..corrections.corrections import Corrections
 from ..corrections.softening import Softening
 from ..data.curves import Curve, Curves
-from ..fits.beside import LARGEST, play_of, rate_of, without_play
 from ..fits.certified import EXCESS, SHAPE
 from ..fits.objective import InitialTorque
+from ..fits.registry import LARGEST, play_of, rate_of, without_play
 from ..fits.search import MARGIN
 
 # Of the curves: they do not cover the intended motion (`coverage`), are noisy or not in order

@@ -17,10 +17,9 @@ from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, Jile
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..data.parts import thinned
-from ..fits.beside import play_of, rate_of, without_play
 from ..fits.certified import refined
 from ..fits.objective import CurveObjective, InitialTorque, sample_weights, torque_errors
-from ..fits.registry import FITS, fit_model
+from ..fits.registry import FITS, fit_model, play_of, rate_of, without_play
 from ..fits.search import MARGIN
 from ..fits.tangent import STEP, Coordinates, coordinates_of, tangent
 from .likelihood import Likelihood, sloppy_directions

@@ -8,8 +8,8 @@ from activesuit.benchmarks.honesty.truths import KINDS, measured
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, BoucWen
 from activesuit.identification import Corrections, Curve, Search, fit_curves, motion_coverage
+from activesuit.identification.data.curves import loop_work, refuse_driven
 from activesuit.identification.data.files import Motion
-from activesuit.identification.data.loop_work import loop_work, refuse_driven
 from activesuit.identification.judging.faults import played
 from activesuit.identification.judging.misfit import repeated_noise
 from activesuit.identification.judging.noise import slow_noise
