@@ -16,7 +16,8 @@ from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel, Numbers
 from ..data.curves import Curve, noise_floor
-from .search import SAME_START, common_start, usable
+from .search import common_start, usable
+from .tangent import beside
 
 LEAST_NOISE = 1e-9  # least noise over the peak, so that data without noise have one solution too
 SLOPE_STEP = 1.0  # expected difference of neighbors, in peak torque over the range of the levels
@@ -93,13 +94,8 @@ def fit_prandtl_ishlinskii(
         The model; `response(angle, initial_torque)` predicts a curve.
     """
     curves = usable(curves)
-    starts = [float(curve.angle[0]) for curve in curves]
+    start = common_start(curves)
     reach = max(float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves)
-    if np.ptp(starts) > SAME_START * reach:
-        raise InputError(
-            f"the curves begin at {min(starts):.6g} to {max(starts):.6g} rad: first-order curves "
-            "begin at one angle; give such a family"
-        )
     grid = _thresholds(reach, thresholds)
     if not grid[0] < reach:
         raise InputError(
@@ -110,7 +106,7 @@ def fit_prandtl_ishlinskii(
     spring = np.concatenate([curve.angle - curve.angle[0] for curve in curves])[:, None]
     offsets, slopes, weights = _least_squares(curves, spring, responses(curves, sliders))
     stiffness = float(slopes[0])
-    start, first_torque = float(np.mean(starts)), float(np.mean(offsets))
+    first_torque = float(np.mean(offsets))
     return PrandtlIshlinskii(
         stiffness=stiffness,
         thresholds=grid,
@@ -170,7 +166,7 @@ def _least_squares(
     first, last = np.split(design, [len(curves) + free.shape[1]], axis=1)
     basis, triangle = np.linalg.qr(first)
     both = np.column_stack([last, target])
-    both = np.asarray(np.linalg.qr(both - basis @ (basis.T @ both), mode="r"))
+    both = np.asarray(np.linalg.qr(beside(basis, both), mode="r"))
     y, _ = nnls(both[:, :-1], both[:, -1], maxiter=MOST_PIVOTS * positive.shape[1])
     x = np.linalg.solve(triangle, basis.T @ (target - last @ y))
     return x[: len(curves)], x[len(curves) :], y
@@ -276,7 +272,7 @@ class _Hinges:
         change[: P.size] = slopes[np.searchsorted(_knots(P), P), None] * moved
         change[: P.size] -= change[: P.size].mean(axis=0)
         basis, _ = np.linalg.qr(rows[:, slopes > LEAST_SLOPE])
-        change -= basis @ (basis.T @ change)
+        change = beside(basis, change)
         return np.vstack([change, self.evenness * np.eye(logs.size)])
 
     def weights(self, logs: Array) -> Array:

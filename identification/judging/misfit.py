@@ -19,7 +19,7 @@ from scipy.special import fdtrc
 from ...arrays import Array
 from ...hysteresis.loops import branches, reversals
 from ..data.curves import Curve, Curves
-from ..fits.tangent import independent
+from ..fits.tangent import beside, independent
 from .noise import EVEN, GRID, Noise, Uneven, estimate_noise, whiten
 from .remarks import Remark
 
@@ -75,26 +75,26 @@ def explained(
         uneven: How the deviation of the noise depends on the torque.
     """
     inner = independent(slopes)
-    beside = independent(columns - inner @ (inner.T @ columns))
-    beside = beside[:, : max(residual.size - inner.shape[1] - LEAST_FREEDOM, 0)]
-    both = np.column_stack([inner, beside])
+    outer = independent(beside(inner, columns))
+    outer = outer[:, : max(residual.size - inner.shape[1] - LEAST_FREEDOM, 0)]
+    both = np.column_stack([inner, outer])
     noise = known or estimate_noise(both, residual, sizes, uneven)
     freedom = noise.freedom
     statistic = probability = 0.0
     for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
-        if weight < NEARLY_NONE or not beside.size:
+        if weight < NEARLY_NONE or not outer.size:
             continue
         whitened, _ = whiten(np.column_stack([both, residual]), sizes, memory, white)
         triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
         # The last column contains, in turn, what each group of columns explains.
         gained = float(np.sum(triangle[inner.shape[1] : both.shape[1], -1] ** 2))
-        value = gained / beside.shape[1] / max(float(variance), np.finfo(float).tiny)
+        value = gained / outer.shape[1] / max(float(variance), np.finfo(float).tiny)
         statistic += weight * value
-        probability += weight * float(fdtrc(beside.shape[1], freedom, value))
+        probability += weight * float(fdtrc(outer.shape[1], freedom, value))
     return Explained(
         statistic=statistic,
-        probability=probability if beside.size else 1.0,
-        columns=beside.shape[1],
+        probability=probability if outer.size else 1.0,
+        columns=outer.shape[1],
         noise=noise,
     )
 
@@ -153,8 +153,8 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
         block[begin : begin + size] = np.column_stack([line, share])
         columns.append(block)
     scale = uneven.at(np.concatenate(shares))
-    beside = np.column_stack(columns) / scale[:, None]
-    return estimate_noise(beside, np.concatenate(differences) / scale, sizes, uneven)
+    lines = np.column_stack(columns) / scale[:, None]
+    return estimate_noise(lines, np.concatenate(differences) / scale, sizes, uneven)
 
 
 def _along(curve: Curve, path: Curve, within: float) -> Array | None:
@@ -188,8 +188,8 @@ def outliers(
         return []  # no noise, or torques so coarse that most samples repeat the one before
     size = np.pad(np.abs(apart) / usual, 1)
     far_off = size > FAR
-    beside = np.pad(far_off[:-2] | far_off[2:], 1)  # an outlier spoils the means of its neighbors
-    if np.mean((size > SOME) & ~far_off & ~beside) > HEAVY:
+    near = np.pad(far_off[:-2] | far_off[2:], 1)  # an outlier spoils the means of its neighbors
+    if np.mean((size > SOME) & ~far_off & ~near) > HEAVY:
         return []
     peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # outliers, not their neighbors
     inner = np.concatenate([one[1:-1] for one in np.split(scale, ends)])

@@ -14,7 +14,7 @@ from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve
 from ..data.parts import Question, thinned
 from ..fits.objective import InitialTorque, nrmse, torque_errors
-from ..fits.tangent import coordinates_of, independent, tangent
+from ..fits.tangent import beside, coordinates_of, independent, tangent
 from .causes import Cause, Residual, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, outliers, repeated_noise, smooth_columns
 from .noise import Noise, smoother_noise, uneven_noise
@@ -305,7 +305,7 @@ def _reached(slopes: Array) -> Array:
 def _unfinished(residual: Array, slopes: Array) -> float:
     """Returns the error over the least one nearby, predicted by the derivatives of the model."""
     basis = independent(slopes)
-    least = residual - basis @ (basis.T @ residual)
+    least = beside(basis, residual)
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))
 
 
