@@ -13,9 +13,7 @@ from scipy import optimize
 
 from ..assets import curves_path
 from ..identification import Curve, CurveObjective, Search, certified_fit, fit_curves, load_curves
-from ..identification.swarms import variants as pso
-from ..identification.swarms import variants as sa_pso
-from ..identification.swarms.variants import SWARMS
+from ..identification.swarms.variants import SWARMS, pso, sa_pso
 from ..published import LI_BOUNDS
 from ..scripts.output import messages
 from .hysteresis import textbook_rk4

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import ClassVar, Literal, Unpack
+from typing import ClassVar, Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +30,8 @@ Optimizer = Callable[..., OptimizeResult]
 NO_SEARCHES = ("auto", "certified", "magnetic")  # methods of `identify` that no optimizer may hide
 
 
-class PSOOptions(SwarmOptions, total=False):
-    """The options of `pso`.
+class Coefficients(TypedDict, total=False):
+    """The options of `pso` in which the two papers differ.
 
     Attributes:
         inertia: Inertia of the velocity: "tanh", eq. (10) of Li et al. 2022, the default; "linear",
@@ -46,6 +46,10 @@ class PSOOptions(SwarmOptions, total=False):
     cognitive: float
     social: float
     per_dimension: bool
+
+
+class PSOOptions(Coefficients, SwarmOptions, total=False):
+    """The options of `pso`: those of every swarm, and its coefficients."""
 
 
 class SAPSOOptions(SwarmOptions, total=False):
@@ -76,7 +80,7 @@ class RankDistanceOptions(PSOOptions, total=False):
 
 
 # What Kao and Fung 2009 identify with; their eq. (4) is inertia="linear".
-KAO_FUNG = PSOOptions(
+KAO_FUNG = Coefficients(
     inertia=KAO_INERTIA, cognitive=KAO_COGNITIVE, social=KAO_SOCIAL, per_dimension=True
 )
 
@@ -117,7 +121,7 @@ class PSO(Swarm):
         self._cognitive, self._social = cognitive, social
         if per_dimension:
             self._draws = (2, *self._position.shape)
-        self._options |= PSOOptions(
+        self._options |= Coefficients(
             inertia=inertia, cognitive=cognitive, social=social, per_dimension=per_dimension
         )
 
@@ -289,7 +293,7 @@ class RankDistanceMPSO(PSO):
         patience: int | None = None,
         **options: Unpack[PSOOptions],
     ) -> None:
-        super().__init__(bounds, **(KAO_FUNG | options))
+        super().__init__(bounds, **{**KAO_FUNG, **options})
         if distance_rank not in ("far", "near"):
             raise InputError(f"distance_rank is {distance_rank!r}: use 'far' or 'near'")
         if patience is not None:

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import Clipped, JilesAtherton
 from activesuit.hysteresis.jiles_atherton import PARAMETERS
-from activesuit.identification import Curve, bare, certified_fit, fit_curves
+from activesuit.identification import Curve, bare, certified_fit, fit_curves, uncertainty
 from activesuit.identification.fits.certified import refined
 from activesuit.identification.fits.objective import CurveObjective
 from activesuit.identification.fits.tangent import coordinates_of, tangent
-from activesuit.identification.judging import uncertainty
 from activesuit.identification.judging.likelihood import Likelihood, sloppy_directions
 from activesuit.identification.judging.noise import GRID, Noise, slow_noise
 from activesuit.identification.judging.uncertainty import estimator_covariance, open_ends
