@@ -12,16 +12,8 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from ..assets import curves_path
-from ..identification import (
-    Curve,
-    CurveObjective,
-    Search,
-    certified_fit,
-    fit_curves,
-    load_curves,
-)
-from ..identification.optimizers import pso, sa_pso
-from ..identification.optimizers.registry import SWARMS
+from ..identification import Curve, CurveObjective, Search, certified_fit, fit_curves, load_curves
+from ..identification.swarms.variants import SWARMS, pso, sa_pso
 from ..published import LI_BOUNDS
 from ..scripts.output import messages
 from .hysteresis import textbook_rk4

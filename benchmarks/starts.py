@@ -11,7 +11,7 @@ import numpy as np
 
 from ..assets import CURVES, curves_path
 from ..identification import SWARMS, CurveObjective, Curves, certified_fit, load_curves
-from ..identification.curves import noise_floor
+from ..identification.data.curves import noise_floor
 from ..published import LI_BOUNDS
 from ..scripts.backends import run_all
 from ..scripts.output import progress

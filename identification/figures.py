@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..errors import InputError
 from ..plots import Band, Line, Mark, Panel, Plot
-from .curves import Curve
+from .data.curves import Curve
+from .data.parts import drawn_note, drawn_samples
 from .fit import Fit
-from .residual.verdict import DESCRIBES
+from .judging.uncertainty import Uncertainty
+from .judging.verdict import DESCRIBES
 from .selection import Selection
-from .thinning import drawn_note, drawn_samples
-from .uncertainty.uncertainty import Uncertainty
 
 ROLES = {"fit": "fitted", "predict": "predicted"}
 COLUMNS = ["joint", "curve", "role", "angle_rad", "measured_nm", "model_nm", "low_nm", "high_nm"]

@@ -9,29 +9,37 @@ import numpy as np
 from ..arrays import Array
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
-from .corrections import Corrected, Corrections, remarks_on
-from .coverage import Coverage, coverage, shortfalls
-from .curves import Curve, Curves
-from .diagnostics import diagnostics
-from .ensemble import NESTED
+from .corrections.corrections import Corrected, Corrections
+from .corrections.softening import Softening
+from .data.curves import Curve, Curves
+from .data.parts import thinning_note
 from .fits.magnetic import FORMS
+from .fits.objective import Fitted, InitialTorque, nrmse, predicted, torque_errors
+from .judging.coverage import NESTED, Coverage, coverage, shortfalls
+from .judging.recording import IF_WRONG, recording_faults
+from .judging.remarks import Remark, begins_elsewhere, diagnostics, remarks_on
+from .judging.uncertainty import Uncertainty, uncertainty
+from .judging.verdict import NOT, UNKNOWN, Judgement, judge
 from .methods import Magnetic, Method, Search
-from .objective import InitialTorque
-from .prediction import nrmse, predicted, torque_errors
-from .recording import IF_WRONG
-from .remarks import Remark
-from .residual.verdict import NOT, UNKNOWN, Judgement, judge
-from .softening import Softening
-from .thinning import thinning_note
-from .trials import Trial
-from .uncertainty.uncertainty import Uncertainty, uncertainty
 
+ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
 OLD_NAMES = {
     "diagnostics": "remarks",
     **{name: f"select(curves).{name}" for name in ("why", "candidates", "ensemble", "band")},
 }
-ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
-SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial(Fitted):
+    """One independent run of a method, with all that `Fitted` has.
+
+    Attributes:
+        index: The number of the trial, which determines its random numbers.
+        nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+    """
+
+    index: int
+    nrmse: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +123,7 @@ class Fit:
 
     @property
     def verdict(self) -> str:
-        """Whether the model describes the curves, as a phrase; see `residual.verdict`."""
+        """Whether the model describes the curves, as a phrase; see `judging.verdict`."""
         return NOT if self.judgement is None else self.judgement.verdict
 
     def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
@@ -185,14 +193,15 @@ def judged_fit(
         remarks = (Remark("memoryless", memoryless), *judged.remarks)
         judged = replace(judged, verdict=NOT, remarks=remarks)
     doubted = judged is None or judged.verdict in (NOT, UNKNOWN)
-    remarks = [one for one in curves.faults if doubted or one.code not in IF_WRONG]
+    faults = recording_faults(curves.read.fitted())
+    remarks = [one for one in faults if doubted or one.code not in IF_WRONG]
     remarks += diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None)
     remarks += judged.remarks if judged else ()
     if isinstance(method, Magnetic):
         remarks += _alike_forms(trials, measured)
     remarks += [Remark("coverage", sentence) for sentence in short]
     if judged and not fitted_start:
-        remarks += _begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
+        remarks += begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
     if note:
         remarks.insert(0, Remark("thinned", f"{note}, in the fit; errors are those of all"))
     remarks += remarks_on(corrections, best.model, curves.softening)
@@ -234,20 +243,5 @@ def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:
             f"the curves do not distinguish the form {FORMS[best.index]!r} (NRMSE {best.loss:.2%}) "
             f"from {' and '.join(alike)}, whose parameters are other ones: "
             "measure with less noise, or name the form with every parameter",
-        )
-    ]
-
-
-def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> list[Remark]:
-    """Returns a remark if the curves begin at another torque than the model."""
-    first = curves.start_torque
-    if isinstance(start, str) or abs(first - start) <= max(SURELY * noise, NEAR * curves.peak):
-        return []
-    return [
-        Remark(
-            "start",
-            f"the curves begin at {first:.3g} N·m, and the model at {start:.3g} N·m: subtract the "
-            "sensor's offset as a tare, if it has one; or let the model begin where they do",
-            ("initial_torque", "identified"),
         )
     ]

@@ -1,28 +1,29 @@
 """`fit_curves`: a model from measured curves, by a named method and several seeded trials."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
+from joblib import Parallel, delayed
 
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
-from ._threads import run_threads
-from .corrections import Corrected, Corrections, averaged, corrected
-from .coverage import Coverage
-from .curves import Curve, Curves
-from .diagnostics import turns_back
-from .fit import Fit, judged_fit
+from ..published import LI_BOUNDS
+from .corrections.corrections import Corrected, Corrections, averaged, corrected
+from .data.curves import Curve, Curves, refuse_driven, turns_back
+from .data.parts import thinned
+from .fit import Fit, Trial, judged_fit
+from .fits.certified import paper_model
+from .fits.magnetic import FORMS, magnetic_fit
+from .fits.objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, nrmse, torque_errors
 from .fits.registry import Fitted, fit_model
+from .judging.coverage import Coverage
 from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
-from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
-from .recording import recording_faults
-from .residual.loop_work import refuse_driven
-from .thinning import thinned
-from .trials import Trial, fit_trial, magnetic_trial, optimizer_trial
+from .swarms.variants import OPTIMIZERS
 
+Result = TypeVar("Result")
 NONE = Corrections()
 OLD_NAMES = {
     **{name: f"corrections=Corrections({name}=...)" for name in ("tare", "rate", "play")},
@@ -31,6 +32,37 @@ OLD_NAMES = {
     "trials": "method=Certified(trials=...)",
     "budget": "method=Certified(budget=...)",
 }
+
+
+def run_threads(
+    calls: Sequence[Callable[[], Result]],
+    workers: int,
+    on_result: Callable[[Result], None] | None = None,
+) -> tuple[list[Result], bool]:
+    """Makes all calls; returns the results in any order, and whether Ctrl-C ended it before.
+
+    Args:
+        calls: Functions that spend nearly all of their time in kernels that release the GIL.
+        workers: Number of threads; -1 uses all cores.
+        on_result: Function that gets each result as soon as it is known.
+
+    Raises:
+        KeyboardInterrupt: Nothing was finished by then.
+    """
+    finished: list[Result] = []
+    parallel = Parallel(
+        n_jobs=min(workers, len(calls)), prefer="threads", return_as="generator_unordered"
+    )
+    try:
+        for result in cast(Iterable[Result], parallel(delayed(call)() for call in calls)):
+            finished.append(result)
+            if on_result is not None:
+                on_result(result)
+    except KeyboardInterrupt:
+        if not finished:
+            raise
+        return finished, True
+    return finished, False
 
 
 def fit_curves(
@@ -84,17 +116,22 @@ def fit_curves(
     starts = initial_torque is not None and model == DEFAULT_MODEL
     start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}
     ready = prepared(curves, model, corrections, start, seed)
+    measured = ready.measured
     if model != DEFAULT_MODEL or corrections.beside or isinstance(method, Magnetic):
-        refuse_weights(ready.measured)
-    if isinstance(method, Search):
-        goal = {"loss": method.objective, "normalize": method.normalize, **start}
-        run = partial(optimizer_trial, ready.measured, method.name, goal, {**method.options})
-    elif isinstance(method, Magnetic):
-        first = 0.0 if initial_torque is None else initial_torque
-        run = partial(magnetic_trial, ready.measured, first, method.budget)
-    else:
-        options = {**method.options, **start, **corrections.beside}
-        run = partial(fit_trial, ready.measured, model, options)
+        refuse_weights(measured)
+
+    def run(index: int, child: np.random.SeedSequence) -> Trial:
+        rng = np.random.default_rng(child)
+        if isinstance(method, Search):
+            found = searched(measured, method, start, rng)
+        elif isinstance(method, Magnetic):
+            found = magnetic_fit(measured, FORMS[index], rng, budget=method.budget, **start)
+        else:
+            options = {**method.options, **start, **corrections.beside}
+            found = fit_model(model, measured, rng, **options)
+        own = nrmse(torque_errors(found.model, found.initial_torque, measured), measured)
+        return Trial(index=index, nrmse=own, **vars(found))
+
     seeds = np.random.SeedSequence(seed).spawn(method.trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
@@ -108,6 +145,20 @@ def fit_curves(
         fitted_start=fits_start(model, initial_torque),
         interrupted=interrupted,
     )
+
+
+def searched(
+    curves: Sequence[Curve], method: Search, start: dict[str, Any], rng: np.random.Generator
+) -> Fitted:
+    """Runs an optimizer once on the Jiles-Atherton parameters, in the paper's search bounds."""
+    goal = CurveObjective(curves, loss=method.objective, normalize=method.normalize, **start)
+    bounds = LI_BOUNDS
+    if goal.initial_torque == "identified":
+        bounds = (*bounds, (-goal.peak, goal.peak))
+    run = OPTIMIZERS[method.name](goal, bounds, rng=rng, **method.options)
+    first = float(run.x[5]) if goal.initial_torque == "identified" else goal.initial_torque
+    history = tuple(map(float, run.history))
+    return Fitted(paper_model(run.x[:5]), first, float(run.fun), goal.evaluations, history=history)
 
 
 def fits_start(model: str, initial_torque: InitialTorque | None) -> bool:
@@ -139,8 +190,7 @@ def prepared(
         rng = np.random.default_rng(seed)
         return fit_model(model, some, rng, **start, **corrections.beside)
 
-    faults = tuple(recording_faults(Curves(curves).fitted()))
-    return corrected(family, measured, corrections, fitted)._replace(faults=faults)
+    return corrected(Curves(curves), family, measured, corrections, fitted)
 
 
 def refuse_unknown(given: dict[str, Any]) -> None:

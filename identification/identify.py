@@ -6,16 +6,15 @@ from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError
-from .corrections import Corrections, averaged
-from .coverage import Coverage, any_motion, coverage, motion_coverage
-from .curves import Curve, Curves
-from .cycles import cycles_of
+from .corrections.corrections import Corrections, averaged, cycles_of
+from .data.curves import Curve, Curves
+from .data.files import Motion
+from .data.parts import questions
 from .fit_curves import NONE, fit_curves, refuse_unknown
+from .fits.objective import InitialTorque
 from .fits.registry import FITS
-from .left_out import questions
+from .judging.coverage import Coverage, any_motion, coverage, motion_coverage
 from .methods import DEFAULT_MODEL, Method, method_of
-from .motion_files import Motion
-from .objective import InitialTorque
 from .report import Identification
 from .selection import select
 

@@ -4,17 +4,16 @@ import inspect
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, cast, get_args
 
 from ..checks import at_least
 from ..errors import InputError, refuse_old_names, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
-from .corrections import Corrections
+from .corrections.corrections import Corrections
 from .fits import magnetic
+from .fits.objective import InitialTorque, Loss, Normalize
 from .fits.registry import FITS, is_seeded
-from .objective import InitialTorque, Loss, Normalize
-from .optimizers.registry import OPTIMIZERS, SWARMS
-from .optimizers.swarm import SwarmOptions
+from .swarms.variants import OPTIMIZERS, SWARMS
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
 EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2
@@ -86,21 +85,18 @@ class Search:
         at_least("trials", trials, 1)
         if name not in OPTIMIZERS:
             raise _unknown_method(name, OPTIMIZERS)
-        for field_name, value in (
-            ("name", name),
-            ("objective", objective),
-            ("normalize", normalize),
-            ("trials", trials),
-            ("options", options),
-        ):
-            object.__setattr__(self, field_name, value)
+        given = {"name": name, "objective": objective, "normalize": normalize}
+        for key, value in (given | {"trials": trials, "options": options}).items():
+            object.__setattr__(self, key, value)
 
     def check(self, model: str) -> None:
         """Refuses a model that a search cannot identify, and unknown options."""
         _only_default(self.name, model)
-        names = list(inspect.signature(OPTIMIZERS[self.name]).parameters)
+        parameters = inspect.signature(OPTIMIZERS[self.name]).parameters
+        names = list(parameters)
         if self.name in SWARMS:
-            names[-1:] = SwarmOptions.__annotations__  # names behind **common
+            (options,) = get_args(parameters[names.pop()].annotation)  # those behind **options
+            names += options.__annotations__
         _check_options(self, names)
 
 

@@ -14,15 +14,14 @@ from ..hysteresis.protocol import HysteresisModel
 from ..plots import Plot
 from ..tables import Rows
 from . import figures
-from .candidates import Candidate
-from .corrections import Corrections
-from .coverage import Coverage
+from .corrections.corrections import Corrections
 from .fit import Fit
 from .fit_curves import NONE
-from .remarks import Remark
-from .residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
+from .judging.coverage import Coverage
+from .judging.remarks import Remark
+from .judging.uncertainty import Uncertainty, kind_of
+from .judging.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
 from .selection import Selection
-from .uncertainty.uncertainty import Uncertainty, kind_of
 
 TARE = "--tare NUMBER"
 SQUARES = ("auto", "certified")  # methods that minimize squares
@@ -32,6 +31,10 @@ MISSING = {  # by verdict: what no sample of the model has
     NOT_BEYOND: "motions unlike the curves",
 }
 MOST_ROWS = 20  # limit of a table on the screen
+# Attributes that JSON has as they are.
+CANDIDATE = ("name", "parameters", "prediction_nrmse", "fit_nrmse")
+UNCERTAIN = ("names", "values", "standard_errors", "intervals", "condition", "sloppy")
+TRIAL = ("nrmse", "evaluations", "agreed", "starts", "initial_torque")
 
 
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
@@ -184,7 +187,9 @@ def selection_summary(selection: Selection) -> dict[str, Any]:
     return {
         "why": selection.why,
         "agreement": selection.agreement and selection.agreement._asdict(),
-        "candidates": [_candidate_summary(one) for one in selection.candidates],
+        "candidates": [
+            {**_plain(one, CANDIDATE), "failed": one.reason or None} for one in selection.candidates
+        ],
         "ensemble": members and {**members.to_dict(), "bands": bands_of(selection)},
     }
 
@@ -199,30 +204,19 @@ def advised(remark: Remark) -> str:
     return f"{remark.sentence} (--{name.replace('_', '-')} {value})"
 
 
-def _candidate_summary(one: Candidate) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "parameters": one.parameters,
-        "prediction_nrmse": one.prediction_nrmse,
-        "fit_nrmse": one.fit_nrmse,
-        "failed": one.reason or None,
-    }
+def _plain(one: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Returns attributes by name."""
+    return {name: getattr(one, name) for name in names}
 
 
 def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
     """Returns the uncertainty of the parameters as plain values for JSON."""
     return {
-        "names": found.names,
-        "values": found.values,
-        "standard_errors": found.standard_errors,
-        "intervals": found.intervals,
-        "condition": found.condition,
-        "sloppy": found.sloppy,
+        **_plain(found, UNCERTAIN),
         "noise": found.noise.deviation,
         "noise_correlation": found.noise.memory,
         "offset": found.offset and found.offset._asdict(),
-        "left_open": found.left_open,
-        "offset_open": found.offset_open,
+        **_plain(found, ("left_open", "offset_open")),
         "samples": [sample.to_dict() for sample in found.samples],
     }
 
@@ -234,11 +228,7 @@ def trial_columns(fits: Mapping[str, Mapping[str, Fit]]) -> tuple[list[str], lis
             "curves": curves,
             "method": method,
             "trial": trial.index,
-            "nrmse": trial.nrmse,
-            "evaluations": trial.evaluations,
-            "agreed": trial.agreed,
-            "starts": trial.starts,
-            "initial_torque": trial.initial_torque,
+            **_plain(trial, TRIAL),
             **dict(_numbers("", trial.model.to_dict())),
         }
         for curves, methods in fits.items()

@@ -20,7 +20,7 @@ from ..arrays import Array
 from ..assets import curves_path
 from ..hysteresis import JilesAtherton
 from ..identification import Certified, Curve, Fit, Search, bare, fit_curves, load_curves
-from ..identification.curves import noise_floor
+from ..identification.data.curves import noise_floor
 from ..published import LI_TABLE_2
 from .li_2022_figures import drawn
 from .results import Results, run

@@ -6,21 +6,31 @@ from ..arrays import Array
 from ..assets import JOINTS
 from ..errors import InputError, unknown_name
 from ..identification import load_motion
+from ..identification.data.files import Motion
 from ..identification.identify import ANY
-from ..identification.motion_files import Motion
 
 MOTION = ".csv"  # how the names of files of motions end
 MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
-def joint_of(path: Path, joint: str | None) -> str:
-    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
+def told_joint(path: Path, joint: str | None) -> str | None:
+    """Returns `joint`, or the joint that the name of a curve file tells; None if it tells none."""
     if joint is not None and joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)
-    for name in (joint, path.stem, f"{path.stem}_flexion"):
-        if name in JOINTS:
-            return name
-    raise InputError(
+    return next((one for one in (joint, path.stem, f"{path.stem}_flexion") if one in JOINTS), None)
+
+
+def joint_of(path: Path, joint: str | None) -> str:
+    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
+    found = told_joint(path, joint)
+    if found is None:
+        raise untold(path)
+    return found
+
+
+def untold(path: Path) -> InputError:
+    """Returns the error for a curve file whose joint nothing tells."""
+    return InputError(
         f"cannot tell which joint {path.name!r} was measured on: give --joint with one of "
         f"{', '.join(JOINTS)}"
     )
@@ -30,16 +40,17 @@ def intended_motions(path: Path, use: str | None, joint: str | None) -> list[Mot
     """Returns the motions of a use; none where there is no use, or any motion is one.
 
     Args:
-        path: Path of the file of curves, whose name may tell the joint.
+        path: Path of the file of curves.
         use: Name of a task, path of a CSV file of a motion, or "any"; None for no use.
-        joint: Name of the joint, if it is given.
+        joint: Name of the joint; None if nothing tells it.
     """
     if use is None or use == ANY:
         return []
     if use.lower().endswith(MOTION):
-        known = joint is not None or {path.stem, f"{path.stem}_flexion"} & {*JOINTS}
-        return [load_motion(use, joint_of(path, joint) if known else None)]
-    return _task_motions(use, joint_of(path, joint))
+        return [load_motion(use, joint)]
+    if joint is None:
+        raise untold(path)
+    return _task_motions(use, joint)
 
 
 def _task_motions(name: str, joint: str) -> list[Motion]:

@@ -21,7 +21,7 @@ DECLARED = {  # dataclasses whose fields are options, and their files
     "Randomization": "envs/randomization.py",
     "Sensing": "envs/simulation/measurements.py",
     "Faults": "envs/simulation/faults.py",
-    "Corrections": "identification/corrections.py",
+    "Corrections": "identification/corrections/corrections.py",
 }
 FLAT = ("arm", "corrections")  # fields and parameters whose own fields have no prefix
 LIMIT, ALIAS = "max-episode-steps", "payload"  # of a task; short for payload.mass

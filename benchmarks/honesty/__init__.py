@@ -16,9 +16,9 @@ from ...arrays import Array
 from ...errors import InputError
 from ...files import write_text
 from ...identification import Curve, Fit, fit_curves, multi_order_motion
+from ...identification.fits.objective import InitialTorque
 from ...identification.fits.search import NOISE_MARGIN
-from ...identification.objective import InitialTorque
-from ...identification.residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN, UNLIKELY
+from ...identification.judging.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN, UNLIKELY
 from ...json_files import read_json
 from ...scripts.backends import run_all
 from ...scripts.folders import to_json

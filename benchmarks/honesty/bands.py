@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...identification import Curve, first_order_motions, multi_order_motion, select
 from ...identification import nested_motion as next_record
-from ...identification.design import MAX_RATE, MIN_RATE
+from ...identification.data.motions import MAX_RATE, MIN_RATE
 from .truths import (
     NOISE,
     PEAK,

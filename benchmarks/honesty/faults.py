@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...errors import InputError
 from ...identification import Curve, fit_curves, load_curves, save_curves
-from ...identification.lost_motion import played
+from ...identification.judging.faults import played
 from .truths import NOISE, STEP, Truth, first_order, jiles_atherton
 
 OFFSET, RATE, LAG = 0.8, 1.0, 0.1  # N·m, N·m·s/rad, s

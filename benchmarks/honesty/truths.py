@@ -15,7 +15,7 @@ from ...hysteresis.jiles_atherton.margins import margin_in_range
 from ...hysteresis.protocol import HysteresisModel
 from ...identification import Curve, first_order_motions
 from ...identification.fits.search import MARGIN
-from ...identification.residual.noise import slow_noise
+from ...identification.judging.noise import slow_noise
 
 PEAK, NOISE, TURNS, STEP = 10.0, 0.1, 5, 0.015  # N·m, N·m, curves, rad
 CYCLES = 8  # of a record that grows

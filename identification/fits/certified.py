@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares
 
 from ...arrays import Array
 from ...checks import at_least
@@ -15,23 +16,77 @@ from ...hysteresis.jiles_atherton import coordinates
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
-from ..curves import Curve, Curves, noise_floor
-from ..objective import CurveObjective, InitialTorque
+from ...hysteresis.protocol import HysteresisModel
+from ..data.curves import Curve, Curves, noise_floor
+from .objective import CurveObjective, InitialTorque, torque_errors
 from .search import MARGIN, PENALTY, REJECTED, Derivatives, Evaluation, Search, sobol_points
 
+BEGINNINGS = 1001  # number of torques tried in each direction, up to the peak of the curves
 # Search box, in the coordinates of `hysteresis.jiles_atherton.coordinates`; angles in degrees, as
 # in the paper's Table 1.
 SHAPE = (3.0, 5000.0)  # a
 STEEPNESS = (-1.9, 2.5)  # steepness; models above 1 are safe in a range of angles only
 EXCESS = (0.01, 20.0)  # c - 1
 REACH_LIMIT = 40_000.0  # k (c - 1); at least the start angle, so that the start is certified too
-
 SCREENED = 32
 AGREEING = 5  # runs that end at the same optimum, which ends the search
 BUDGET = 2_000  # evaluations; usual are 80 to 300, and some truths need more
 TINY = 1e-30
 LEAST_START, LEAST = 1e-6, 1e-9  # Ms over the peak, where a search starts and on its way
 MOST = 1e9
+
+
+def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
+    """Returns the torque [N·m] with which a model that begins all curves fits them best.
+
+    One measured sample would bring its whole noise into a prediction. Where the model's certificate
+    does not cover that beginning, it is the nearest that is covered.
+    """
+
+    def residual(torque: Array) -> Array:
+        try:
+            errors = torque_errors(model, float(torque[0]), curves)
+        except InputError:  # the model cannot begin so
+            errors = np.full(samples, np.inf)
+        return np.where(np.isfinite(errors), errors, REJECTED * size)
+
+    guess = np.median([curve.torque[0] for curve in curves])
+    size = Curves(curves).peak
+    samples = sum(curve.torque.size for curve in curves)
+    best = float(least_squares(residual, [guess], x_scale=size).x[0])
+    for distance in np.linspace(0, size, BEGINNINGS).tolist():
+        for torque in (best - distance, best + distance):
+            if begins_safely(model, torque, curves):
+                return torque
+    raise InputError(
+        f"the fitted {model.name} model cannot begin as the curves do, at {best:.3g} N·m: check "
+        "the sign of the torque, or measure curves that begin nearer to the torque at rest"
+    )
+
+
+def begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]) -> bool:
+    """Returns whether a model can begin all curves with a torque [N·m], within its certificate."""
+    try:
+        states = [model.start(float(curve.angle[0]), torque) for curve in curves]
+    except InputError:  # the model cannot have that torque there
+        return False
+    return all(model.start_is_certified(state) for state in states)
+
+
+def bare(model: HysteresisModel) -> JilesAtherton:
+    """Returns the Jiles-Atherton model of a fit, without the constant torque outside a range."""
+    inner = model.model if isinstance(model, Clipped) else model
+    if not isinstance(inner, JilesAtherton):
+        raise InputError(
+            f"model is {model.name!r}: give a Jiles-Atherton model, with or without an angle range"
+        )
+    return inner
+
+
+def paper_model(parameters: ArrayLike) -> JilesAtherton:
+    """Returns the model of one parameter row (Ms, a, alpha, c, k) in degrees, whatever its c."""
+    Ms, a, alpha, c, k = np.asarray(parameters, dtype=np.float64).tolist()
+    return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg", allow_active=c < 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +182,7 @@ class CertifiedProblem:
         self.objective = CurveObjective(curves, initial_torque=initial_torque)
         self.scale = np.sqrt(self.objective.weight) / self.objective.peak
         self.angle_range = Curves(curves).angle_range
-        self.low_angle, self.high_angle = np.degrees(self.angle_range).tolist()
+        self.degrees: tuple[float, float] = tuple(np.degrees(self.angle_range).tolist())
         self.first_angles = np.degrees([curve.angle[0] for curve in curves])
         self.shape_box = shape_box(curves)
         low, high = self.shape_box
@@ -198,24 +253,7 @@ class CertifiedProblem:
 
     def missing_margin(self, row: Array, first: Array) -> float:
         """Returns what is missing to a certificate with MARGIN, at best in the range."""
-        missing = self.shortfall(row, first, everywhere=True)
-        return missing and min(missing, self.shortfall(row, first, everywhere=False))
-
-    def shortfall(self, row: Array, first: Array, everywhere: bool) -> float:
-        """Returns by how much the margin falls short; an unsafe start counts as MARGIN / 2."""
-        Ms, a, alpha, c, k = row[:5].tolist()
-        if everywhere:
-            margin, bound = margin_everywhere(Ms, a, alpha, c, k)
-        else:
-            low, high = self.low_angle, self.high_angle
-            margin, bound, _ = margin_in_range(low, high, Ms, a, alpha, c, k)
-        lags = [
-            abs(torque - Ms * langevin((angle + alpha * torque) / a)[0])
-            for angle, torque in np.broadcast(self.first_angles, first)
-            if torque  # the box keeps all starts without torque inside the bound
-        ]
-        excess = (max(lags, default=-np.inf) - bound) / Ms
-        return min(max(MARGIN - margin, MARGIN / 2 + excess, 0.0), 1.0)
+        return missing_margin(row, first, self.first_angles, self.degrees)
 
     def result(self, search: Search) -> CertifiedFit:
         """Returns what a search found.
@@ -229,7 +267,7 @@ class CertifiedProblem:
                 "the budget, or check the columns, the sign of the torque and the initial torque"
             )
         first = self.objective.first_torques(search.best)
-        safe = self.shortfall(search.best, first, everywhere=True) <= MARGIN / 2
+        safe = shortfall(search.best, first, self.first_angles) <= MARGIN / 2
         measured = self.objective.initial_torque == "measured"
         return CertifiedFit(
             parameters=search.best[:5],
@@ -241,6 +279,39 @@ class CertifiedProblem:
             starts=search.starts,
             history=tuple(search.history),
         )
+
+
+def missing_margin(
+    row: Array, first: Array | float, angles: Array, inside: tuple[float, float]
+) -> float:
+    """Returns what a model lacks to a certificate with MARGIN, at best in a range of angles.
+
+    Args:
+        row: Ms, a, alpha, c, k in degrees; more numbers are left out.
+        first: Torque with which each curve begins [N·m].
+        angles: Angle at which each curve begins [deg].
+        inside: The range [deg].
+    """
+    missing = shortfall(row, first, angles)
+    return missing and min(missing, shortfall(row, first, angles, inside))
+
+
+def shortfall(
+    row: Array, first: Array | float, angles: Array, inside: tuple[float, float] | None = None
+) -> float:
+    """Returns by how much the margin falls short; an unsafe start counts as MARGIN / 2."""
+    Ms, a, alpha, c, k = row[:5].tolist()
+    if inside is None:
+        margin, bound = margin_everywhere(Ms, a, alpha, c, k)
+    else:
+        margin, bound, _ = margin_in_range(*inside, Ms, a, alpha, c, k)
+    lags = [
+        abs(torque - Ms * langevin((angle + alpha * torque) / a)[0])
+        for angle, torque in np.broadcast(angles, first)
+        if torque  # the box keeps all starts without torque inside the bound
+    ]
+    excess = (max(lags, default=-np.inf) - bound) / Ms
+    return min(max(MARGIN - margin, MARGIN / 2 + excess, 0.0), 1.0)
 
 
 def shape_box(curves: Sequence[Curve]) -> tuple[Array, Array]:

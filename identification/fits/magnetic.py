@@ -12,10 +12,8 @@ from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
 from ...hysteresis.jiles_atherton.model import Form, JilesAtherton
-from ..curves import Curve, Curves
-from ..objective import CurveObjective, InitialTorque
-from ..prediction import torque_errors
-from ..residual.loop_work import SURELY, loop_work
+from ..data.curves import SURELY, Curve, Curves, loop_work
+from .objective import CurveObjective, InitialTorque, torque_errors
 from .registry import Fitted
 from .search import REJECTED, Evaluation, Search, sobol_points
 
@@ -26,7 +24,6 @@ FORMS: tuple[Form, ...] = ("bulk", "original", "derivative")
 # steepness is alpha Ms / (3 a), above 1 where the anhysteretic curve itself would turn over.
 SATURATION, SHAPE, STEEPNESS = (0.5, 20.0), (0.003, 3.0), (-1.0, 3.0)
 REVERSIBLE, PINNING = (0.0, 0.999), (0.001, 3.0)
-
 SCREENED, STARTED = 64, 8
 AGREEING = 3  # runs that end at the same optimum, which ends the search
 BUDGET = 1_500

@@ -1,68 +1,48 @@
-"""The certified fits by the name of their model, and the registration of fits from outside.
+"""The certified fits by the name of their model, and what is fitted beside or before a model.
 
 A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
 the option `rng` if it depends on random numbers, and returns a model that is certified and
-dissipative, at least with constant torque outside the angles of the curves; or a `FitResult`, which
-has more.
+dissipative, at least with constant torque outside the angles of the curves; or a result that has
+this `model`, and `initial_torque` [N·m], `nrmse` and `evaluations` as `Fitted` describes them.
 """
 
 import inspect
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal
 
 import numpy as np
+from scipy.optimize import minimize_scalar, nnls
 
+from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.around import Asymmetric
+from ...hysteresis.around import Asymmetric, Backlash, Viscoelastic, without_rate
 from ...hysteresis.bouc_wen.model import BoucWen
 from ...hysteresis.dahl.model import Dahl, Duhem
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel
 from ...hysteresis.stops import HingedStops, PrandtlIshlinskii
-from ..curves import Curve
-from ..objective import InitialTorque
-from ..prediction import nrmse, torque_errors
-from .asymmetric import fit_asymmetric
-from .beginning import common_torque
-from .bouc_wen import fit_bouc_wen
-from .certified import certified_fit
-from .dahl import fit_dahl, fit_duhem
-from .hinged_stops import fit_hinged_stops
-from .linear import fit_prandtl_ishlinskii, fit_preisach
-from .play import Play, fit_behind_play
-from .rate import Rate, fit_beside_rate
+from ..data.curves import Curve, noise_floor
+from .beside_polynomial import fit_asymmetric, fit_bouc_wen, fit_dahl, fit_duhem
+from .certified import certified_fit, common_torque
+from .objective import Fitted, InitialTorque, price, scored, times_of, torque_errors
+from .search import least_of
+from .tangent import beside, coordinates_of, independent, tangent
+from .weights import fit_hinged_stops, fit_prandtl_ishlinskii, fit_preisach
 
-
-class FitResult(Protocol):
-    """A model, with further results of its fit."""
-
-    @property
-    def model(self) -> HysteresisModel:
-        """The certified model."""
-        ...
-
-    @property
-    def initial_torque(self) -> InitialTorque:
-        """The torque with which all curves begin [N·m]; or "measured"."""
-        ...
-
-    @property
-    def nrmse(self) -> float:
-        """The error on the curves that the fit minimized."""
-        ...
-
-    @property
-    def evaluations(self) -> int | None:
-        """How often the model ran on all curves; None if the fit does not count."""
-        ...
-
-
+Rate = Literal["none", "viscous", "relaxing"]
+ROUNDS = 12  # largest number of rounds; 3 to 6 are usual
+CONVERGED = 1e-4  # change of the elements' torque between rounds at convergence, over the peak
+TIMES = 24  # relaxation times on the grid
+Play = Literal["none", "fit"]
+LARGEST = 0.1  # widest gap of the search, as a share of the range of angles
+GAPS = 6  # number of gaps on the grid, of which the first is zero
+CLOSE = 1e-3  # tolerance of the best gap, relative to the widest
+CERTAIN = 4.0  # deviations of the noise, above which a torque shows the face in contact
 QUICK = 600  # evaluations of a fit that only compares gaps or rounds
-
-FitFunction = Callable[..., HysteresisModel | FitResult]
-
+FitFunction = Callable[..., Any]
 FITS: dict[str, FitFunction] = {
     JilesAtherton.name: certified_fit,
     Asymmetric.name: fit_asymmetric,
@@ -73,6 +53,172 @@ FITS: dict[str, FitFunction] = {
     Dahl.name: fit_dahl,
     Duhem.name: fit_duhem,
 }
+
+
+def rate_of(model: HysteresisModel) -> Rate:
+    """Returns the rate-dependent part of a fitted model."""
+    if not isinstance(model, Viscoelastic):
+        return "none"
+    return "relaxing" if model.relaxation_stiffness > 0 else "viscous"
+
+
+def fit_beside_rate(
+    curves: Sequence[Curve],
+    rate: Rate,
+    fit: Callable[[Sequence[Curve]], Fitted],
+    quick: Callable[[Sequence[Curve]], Fitted],
+) -> Fitted:
+    """Fits a hysteresis model and the rate-dependent elements beside it, in turn.
+
+    Each round fits the hysteresis model to the torque less that of the elements, and then solves
+    for the elements beside the derivatives of the torque with respect to the model's parameters, so
+    that torque that the model can describe as well does not count (variable projection, Golub and
+    Pereyra 1973). The relaxation time is refined from the best one of a grid. Dampings and
+    stiffnesses are at least 0; a Maxwell element that lowers the error by less than the cost of its
+    parameters (the Bayesian information criterion) is left out.
+
+    Args:
+        curves: Measured curves, with times.
+        rate: "viscous", a dashpot, or "relaxing", a Maxwell element beside it.
+        fit: Fit of the hysteresis model to curves, for the last round.
+        quick: The same with less effort, for the rounds before.
+    """
+    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
+    times = _times(curves) if rate == "relaxing" else np.empty(0)
+    rest, slow = list(curves), quick(curves)
+    found, before = Viscoelastic(model=slow.model), np.zeros(sum(one.angle.size for one in curves))
+    for _ in range(ROUNDS):
+        found = _with_elements(slow.model, slow.initial_torque, curves, times)
+        now = _torque(found, curves)
+        if np.abs(now - before).max() <= CONVERGED * peak:
+            break
+        before = now
+        parts = np.split(now, np.cumsum([one.angle.size for one in curves])[:-1])
+        pairs = zip(curves, parts, strict=True)
+        rest = [replace(curve, torque=curve.torque - torque) for curve, torque in pairs]
+        slow = quick(rest)
+    slow = fit(rest)
+    return scored(replace(found, model=slow.model), slow.initial_torque, curves)
+
+
+def _times(curves: Sequence[Curve]) -> Array:
+    """Returns the relaxation times that curves can show [s]: from two samples to half a curve."""
+    steps = [np.median(np.diff(times_of(curve))) for curve in curves]
+    longest = max(float(np.ptp(times_of(curve))) for curve in curves)
+    return np.geomspace(2 * min(steps), longest / 2, TIMES)
+
+
+def _with_elements(
+    model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve], times: Array
+) -> Viscoelastic:
+    """Returns the model beside the elements that best explain its residual."""
+    rest = -torque_errors(model, start, curves)
+    if not np.isfinite(rest).all():
+        return Viscoelastic(model=model)
+    slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
+    basis = independent(slopes)
+    velocity = _torque(Viscoelastic(model=model, damping=1.0), curves)[:, None]
+    rest = beside(basis, rest)
+    (damping,), least = nnls(beside(basis, velocity), rest)
+    found = Viscoelastic(model=model, damping=float(damping))
+    if times.size == 0:
+        return found
+
+    def solved(time: float) -> tuple[Array, float]:
+        element = Viscoelastic(model=model, relaxation_stiffness=1.0, relaxation_time=time)
+        return nnls(beside(basis, np.column_stack([velocity, _torque(element, curves)])), rest)
+
+    time = least_of(times, lambda time: solved(time)[1])
+    (damping, stiffness), loss = solved(time)
+    if least <= loss * price(2, rest.size) or stiffness == 0:
+        return found
+    maxwell = {"relaxation_stiffness": float(stiffness), "relaxation_time": time}
+    return Viscoelastic(model=model, damping=float(damping), **maxwell)
+
+
+def _torque(model: Viscoelastic, curves: Sequence[Curve]) -> Array:
+    return np.concatenate([model.rate_torque(one.angle, times_of(one)) for one in curves])
+
+
+def play_of(model: HysteresisModel) -> Play:
+    """Returns whether a fitted model is behind play."""
+    return "fit" if isinstance(without_rate(model), Backlash) else "none"
+
+
+def without_play(model: HysteresisModel) -> HysteresisModel:
+    """Returns the model behind the play, or the model itself where there is none."""
+    return model.model if isinstance(model, Backlash) else model
+
+
+def fit_behind_play(
+    curves: Sequence[Curve],
+    fit: Callable[[Sequence[Curve]], Fitted],
+    quick: Callable[[Sequence[Curve]], Fitted],
+) -> Fitted:
+    """Fits a hysteresis model and the gap before it.
+
+    For a given gap, the sign of the torque shows the face in contact, and so the angle of the
+    suit's side, to which the model is fitted; where the torque is lost in the noise, the suit's
+    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the one for
+    which the model behind it is nearest to the torque: the best of a grid, refined by Brent's
+    bounded search. A gap that lowers the error by less than the cost of its parameter (the
+    Bayesian information criterion) does not count, and the model is returned without it.
+
+    Args:
+        curves: Measured curves.
+        fit: Fit of the hysteresis model to curves.
+        quick: The same with less effort, which suffices to compare gaps.
+    """
+    found: dict[float, Fitted] = {}
+
+    def loss(gap: float) -> float:
+        if gap not in found:
+            found[gap] = _behind(curves, gap, quick)
+        return found[gap].loss
+
+    widest = LARGEST * max(float(np.ptp(curve.angle)) for curve in curves)
+    grid = np.linspace(0.0, widest, GAPS)
+    best = int(np.argmin([loss(float(gap)) for gap in grid]))
+    near = grid[max(best - 1, 0)], grid[min(best + 1, GAPS - 1)]
+    minimize_scalar(
+        lambda gap: loss(float(gap)),
+        bounds=near,
+        method="bounded",
+        options={"xatol": CLOSE * widest},
+    )
+    gap = min(found, key=loss)
+    chosen, without = _behind(curves, gap, fit), _behind(curves, 0.0, fit)
+    worth = price(1, sum(curve.angle.size for curve in curves))
+    return without if without.loss <= chosen.loss * worth else chosen
+
+
+def _behind(
+    curves: Sequence[Curve], gap: float, fit: Callable[[Sequence[Curve]], Fitted]
+) -> Fitted:
+    """Returns the fit of a model behind a known gap, with its error along the curves."""
+    if gap == 0:
+        slow = fit(curves)
+        return scored(slow.model, slow.initial_torque, curves)
+    slow = fit([replace(one, angle=suit_angles(one, gap)) for one in curves])
+    behind = Backlash(model=slow.model, gap=gap)
+    starts: list[InitialTorque] = [slow.initial_torque]
+    # A start within the noise counts as one in the gap where that is nearer to the curves.
+    if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
+        starts.append(0.0)
+    return min((scored(behind, one, curves) for one in starts), key=lambda one: one.loss)
+
+
+def suit_angles(curve: Curve, gap: float) -> Array:
+    """Returns the angles of the suit's side of a gap [rad], shape (n,)."""
+    side = np.where(
+        np.abs(curve.torque) > CERTAIN * noise_floor([curve]), np.sign(curve.torque), 0.0
+    )
+    end, found = float(curve.angle[0]), np.empty_like(curve.angle)
+    for i, (angle, face) in enumerate(zip(curve.angle.tolist(), side.tolist(), strict=True)):
+        low, high = angle - gap / 2, angle + gap / 2
+        end = angle - face * gap / 2 if face else min(max(end, low), high)
+        found[i] = end
+    return found
 
 
 def register_fit(model_name: str, fit: FitFunction) -> None:
@@ -88,28 +234,6 @@ def register_fit(model_name: str, fit: FitFunction) -> None:
         raise InputError(f"fit of {model_name!r} is {fit!r}: give a function of the curves")
     if FITS.setdefault(model_name, fit) is not fit:
         raise InputError(f"model {model_name!r} has a fit already: choose another name")
-
-
-class Fitted(NamedTuple):
-    """Result of a certified fit.
-
-    Attributes:
-        model: A certified and dissipative model, at least with constant torque outside the angles
-            of the curves.
-        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
-            with its first sample.
-        loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
-        evaluations: How often the model ran on all curves; None where the fit does not count.
-        agreed: How many runs from different starts ended here; None where the fit has one start.
-        starts: How many runs there were; None likewise.
-    """
-
-    model: HysteresisModel
-    initial_torque: InitialTorque
-    loss: float
-    evaluations: int | None = None
-    agreed: int | None = None
-    starts: int | None = None
 
 
 def fit_model(
@@ -136,28 +260,19 @@ def fit_model(
     """
     takes = inspect.signature(FITS[name]).parameters
     less = {"budget": min(QUICK, options.get("budget", QUICK))} if "budget" in takes else {}
-    if rate != "none" or play != "none":
-        if rate != "none":
-            fit = partial(fit_model, name, rng=rng, play=play, **options)
-            model, start = fit_beside_rate(curves, rate, fit, partial(fit, **less))
-        else:
-            fit = partial(fit_model, name, rng=rng, **options)
-            model, start = fit_behind_play(curves, fit, partial(fit, **less))
-        return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
-    if is_seeded(name):
+    if rate != "none":
+        fit = partial(fit_model, name, rng=rng, play=play, **options)
+        return fit_beside_rate(curves, rate, fit, partial(fit, **less))
+    if play != "none":
+        fit = partial(fit_model, name, rng=rng, **options)
+        return fit_behind_play(curves, fit, partial(fit, **less))
+    if "rng" in takes:
         options["rng"] = rng
     found = FITS[name](curves, **options)
     if isinstance(found, HysteresisModel):
-        start = common_torque(found, curves)
-        return Fitted(found, start, nrmse(torque_errors(found, start, curves), curves))
-    return Fitted(
-        found.model,
-        found.initial_torque,
-        found.nrmse,
-        found.evaluations,
-        getattr(found, "agreed", None),
-        getattr(found, "starts", None),
-    )
+        return scored(found, common_torque(found, curves), curves)
+    agreed, starts = (getattr(found, name, None) for name in ("agreed", "starts"))
+    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, agreed, starts)
 
 
 def is_seeded(name: str) -> bool:

@@ -1,12 +1,18 @@
-"""The search that all certified fits share: Sobol points, then least squares on a budget."""
+"""The search that all certified fits share, and the projection beside a polynomial."""
 
-from collections.abc import Callable, Iterable
-from typing import NamedTuple, Protocol
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import least_squares
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares, minimize_scalar, nnls
 
 from ...arrays import Array
+from ...checks import at_least
+from ...errors import InputError
+from ..data.curves import Curve, Curves, noise_floor, turns_back
 
 MARGIN = 0.01  # margin of the certificate that a fit keeps
 PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
@@ -16,6 +22,10 @@ STALLED = 1e-5  # relative change of cost or point that ends one least-squares r
 NOISE_MARGIN = 1.03  # ratio to the noise floor, below which a score is as good as the truth
 DIFFERENCE = 1e-5  # step of a derivative where nothing better is at hand
 DERIVATIVES_COST = 3  # model runs; a response with all its derivatives takes the time of 1.7 to 2.3
+AGREEING = 2  # runs that end at the same optimum, which ends the search
+LEAST_SCALE = 1e-9  # least scale of the hysteretic part, in place of one that would drive the joint
+FEWEST_BEYOND = 7  # least excess of angles over the degree, so that the fits are determined
+SAME_START = 0.05  # largest distance of the beginnings of first-order curves, over the span
 
 
 class Evaluation(NamedTuple):
@@ -188,3 +198,140 @@ def sobol_points(
 
     drawn = qmc.Sobol(low.size, rng=np.random.default_rng(rng)).random(count)
     return low + drawn * (high - low)
+
+
+class BesidePolynomial:
+    """The best scale of a hysteretic torque beside the best polynomial of the angle.
+
+    Attributes:
+        curves: The curves with role "fit", which begin at one angle.
+        start: Angle at which the curves begin [rad].
+        peak: The largest |torque| [N·m].
+        floor: The noise of the torque over the peak.
+    """
+
+    def __init__(self, curves: Sequence[Curve], degree: int) -> None:
+        self.curves = usable(curves)
+        self.start = common_start(self.curves)
+        self.low, self.high = self.curves.angle_range
+        self.angle = np.concatenate([curve.angle for curve in self.curves])
+        self.starts = np.cumsum([0] + [curve.angle.size for curve in self.curves])
+        self.torque = np.concatenate([curve.torque for curve in self.curves])
+        fewest = degree + FEWEST_BEYOND
+        if np.unique(self.angle).size < fewest:
+            raise InputError(
+                f"the fitted curves have samples at {np.unique(self.angle).size} different angles: "
+                f"give at least {fewest}"
+            )
+        self.peak = self.curves.peak
+        self.floor = noise_floor(self.curves) / self.peak
+        centered = (2 * self.angle - self.low - self.high) / (self.high - self.low)
+        self._basis, self._triangle = np.linalg.qr(np.vander(centered, degree + 1, increasing=True))
+        self._rest = self._without(self.torque)
+
+    def scale(self, shape: Array) -> float:
+        """Returns the factor above 0 that fits a hysteretic torque `shape` (samples,) best."""
+        shape = self._without(shape)
+        power = max(float(shape @ shape), np.finfo(float).tiny)
+        return max(float(shape @ self._rest) / power, LEAST_SCALE)
+
+    def weights(self, shapes: Array) -> Array:
+        """Returns the weights above 0 with which shapes (samples, n) fit best together, (n,)."""
+        found, _ = nnls(self._without(shapes), self._rest)
+        return np.maximum(found, LEAST_SCALE)
+
+    def residual(self, shape: Array) -> Array:
+        """Returns (Tc - Tm) / max|Tm| with the best scale and polynomial, shape (samples,)."""
+        if not np.isfinite(shape).all():
+            return np.full(shape.size, REJECTED)
+        return (self.scale(shape) * self._without(shape) - self._rest) / self.peak
+
+    def polynomial(self, shape: Array) -> list[float]:
+        """Returns the coefficients p_0, p_1, ... [N·m/rad^i] that go with the best scale."""
+        left = self.torque - self.scale(shape) * shape
+        centered = np.linalg.solve(self._triangle, self._basis.T @ left)
+        converted = Polynomial(centered, domain=[self.low, self.high]).convert()
+        return np.pad(converted.coef, (0, centered.size - converted.coef.size)).tolist()
+
+    def _without(self, values: Array) -> Array:
+        return values - self._basis @ (self._basis.T @ values)
+
+
+class Shapes:
+    """The errors of hysteretic torques of some shape beside the best polynomial.
+
+    Args:
+        beside: The curves, and the best polynomial on them.
+        box: Lower and upper bound of each coordinate, shape (2, coordinates).
+        shape: Function from a point to the hysteretic torque along all curves, (samples,).
+        missing: Function from a point to the missing margin; by default every point is certified.
+    """
+
+    def __init__(
+        self,
+        beside: BesidePolynomial,
+        box: ArrayLike,
+        shape: Callable[[Array], Array],
+        missing: Callable[[Array], float] = lambda _: 0.0,
+    ) -> None:
+        self.beside, self.shape, self.missing = beside, shape, missing
+        self.low, self.high = np.array(box, dtype=np.float64)
+
+    def evaluate(self, point: Array) -> Evaluation:
+        """Returns the errors of a point, with the projection done, and its missing margin."""
+        errors = self.beside.residual(self.shape(point))
+        return Evaluation(errors, self.missing(point), point.copy())
+
+
+def common_start(curves: Sequence[Curve]) -> float:
+    """Returns the angle [rad] at which all curves begin."""
+    starts = [float(curve.angle[0]) for curve in curves]
+    reach = max(float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves)
+    if np.ptp(starts) > SAME_START * reach:
+        raise InputError(
+            f"the curves begin at {min(starts):.6g} to {max(starts):.6g} rad: first-order curves "
+            "begin at one angle; give such a family"
+        )
+    return float(np.mean(starts))
+
+
+def search_shapes(
+    problem: Shapes,
+    *,
+    screened: int,
+    budget: int,
+    rng: int | np.random.Generator | None,
+) -> Search:
+    """Returns a finished search from the best of some Sobol points, in turn.
+
+    Args:
+        problem: The errors of the shapes; the noise of their torque ends the search.
+        screened: The number of Sobol points, a power of 2.
+        budget: Largest number of evaluations.
+        rng: Seed or generator of the Sobol scrambling.
+    """
+    at_least("budget", budget, screened + 1)
+    search = Search(problem, budget)
+    starts = search.screened(sobol_points(problem.low, problem.high, screened, rng))
+    search.run(starts, problem.beside.floor, AGREEING)
+    return search
+
+
+def usable(curves: Sequence[Curve]) -> Curves:
+    """Returns the curves with role "fit"."""
+    chosen = Curves(curves).fitted()
+    if not chosen:
+        raise InputError("there is no curve to fit: give at least one with role 'fit'")
+    if not any(np.ptp(curve.torque) > 0 for curve in chosen):
+        raise InputError("no torque changes along its curve: there is nothing to identify")
+    if not any(map(turns_back, chosen)):
+        raise InputError("no curve turns back, so nothing shows the hysteresis: measure the return")
+    return chosen
+
+
+def least_of(grid: Array, loss: Callable[[float], float]) -> float:
+    """Returns the best of a grid (n,), refined by Brent's bounded search in logarithms."""
+    best = int(np.argmin([loss(point) for point in grid.tolist()]))
+    near = np.log(grid[[max(best - 1, 0), min(best + 1, grid.size - 1)]])
+    found: Any = minimize_scalar(lambda log: loss(math.exp(log)), bounds=near, method="bounded")
+    return math.exp(found.x)

@@ -8,7 +8,7 @@ import tyro
 from ...errors import InputError
 from ...files import check_target, replacing
 from ...identification import Motion, load_curves, motion_coverage, nested_motion, save_motion
-from ...identification.design import MAX_RATE, MIN_RATE, SAMPLE_RATE, Design
+from ...identification.data.motions import MAX_RATE, MIN_RATE, SAMPLE_RATE, Design
 from ..options import Force, Json, optional_number
 from ..writer import Report, conclude
 

@@ -11,14 +11,14 @@ from ...errors import InputError, shown
 from ...identification import Corrections, Identification, load_curves
 from ...identification import identify as identify_curves
 from ...identification.fit_curves import NONE
+from ...identification.fits.objective import InitialTorque, Loss, Normalize
 from ...identification.fits.registry import FITS
 from ...identification.identify import AUTO
+from ...identification.judging.verdict import NOT
 from ...identification.methods import Magnetic, method_names
-from ...identification.objective import InitialTorque, Loss, Normalize
-from ...identification.residual.verdict import NOT
 from ...text import say
 from ..folders import RunFolder
-from ..measured_joint import intended_motions, joint_of
+from ..measured_joint import intended_motions, told_joint, untold
 from ..options import Force, Json, Seed, Use, choice, joints, named_values, optional_number, suits
 from ..output import progress
 from ..writer import Report, conclude
@@ -121,8 +121,11 @@ def identify(
             f"out is {shown(str(out))}: a suit file has joints, which a model of magnetics drives; "
             "leave it out, and take the result from --json"
         )
-    joint = joint_of(curves[0], joint) if out or joint is not None else None
-    intended = intended_motions(curves[0], use, joint)
+    told = told_joint(curves[0], joint)
+    if out and told is None:
+        raise untold(curves[0])
+    joint = told if out or joint is not None else None
+    intended = intended_motions(curves[0], use, told)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, force=force) if out else None
     given: dict[str, Any] = {

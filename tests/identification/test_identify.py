@@ -24,7 +24,7 @@ from activesuit.identification import (
 )
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.methods import method_names, method_of
-from activesuit.identification.optimizers.registry import OPTIMIZERS
+from activesuit.identification.swarms.variants import OPTIMIZERS
 from activesuit.published import LI_BOUNDS
 from helpers import TABLE_2, assert_refused, family
 from scipy.optimize import OptimizeResult

@@ -8,12 +8,12 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, BoucWen, PrandtlIshlinskii, Preisach
 from activesuit.identification import Curve, Motion, select
-from activesuit.identification import candidates as auto
-from activesuit.identification.agreement import agreement
+from activesuit.identification import selection as auto
 from activesuit.identification.fits import registry as own_fits
-from activesuit.identification.fits.beginning import common_torque
+from activesuit.identification.fits.certified import common_torque
 from activesuit.identification.fits.registry import FITS
-from activesuit.identification.residual.verdict import DESCRIBES, NOT_BEYOND
+from activesuit.identification.judging.ensemble import agreement
+from activesuit.identification.judging.verdict import DESCRIBES, NOT_BEYOND
 from helpers import along, assert_refused, sweep
 
 START = 0.52

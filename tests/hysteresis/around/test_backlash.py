@@ -14,7 +14,7 @@ from activesuit.hysteresis import (
 )
 from activesuit.hysteresis.around import backlash_kernels as kernels
 from activesuit.hysteresis.protocol import follow
-from activesuit.identification.lost_motion import played
+from activesuit.identification.judging.faults import played
 from helpers import sweep
 from known_models import ELBOW, IN_A_RANGE
 

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import Asymmetric, Clipped, JilesAtherton
 from activesuit.identification import Curve, CurveObjective, certified_fit
-from activesuit.identification.fits.asymmetric import fit_asymmetric
-from activesuit.identification.fits.beginning import common_torque, paper_model
-from activesuit.identification.fits.certified import CertifiedProblem
+from activesuit.identification.fits.beside_polynomial import fit_asymmetric
+from activesuit.identification.fits.certified import CertifiedProblem, common_torque, paper_model
 from helpers import family, sweep
 
 NOISE = 0.05

@@ -5,8 +5,8 @@ import pytest
 from activesuit.benchmarks.honesty import truths
 from activesuit.hysteresis import Dahl, Duhem
 from activesuit.identification import Certified, fit_curves, fit_duhem
+from activesuit.identification.fits.objective import torque_errors
 from activesuit.identification.fits.registry import fit_model
-from activesuit.identification.prediction import torque_errors
 from helpers import family
 
 START, TURNS = 0.52, (0.87, 1.22, 1.57)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import MODELS, BoucWen, Dahl, Duhem
 from activesuit.identification import Curve, fit_curves
+from activesuit.identification.fits.objective import torque_errors
 from activesuit.identification.fits.registry import FITS, fit_model
-from activesuit.identification.prediction import torque_errors
 from helpers import assert_refused, family, sweep
 
 START, UNSEEN = 0.52, (0.75, 1.05, 1.4)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import HingedStops, PrandtlIshlinskii
 from activesuit.identification import Curve, fit_hinged_stops
+from activesuit.identification.fits.objective import predicted
 from activesuit.identification.fits.registry import fit_model
-from activesuit.identification.prediction import predicted
 from helpers import sweep
 
 LOW, HIGH, NOISE = 0.4, 1.6, 0.1  # rad, rad, N·m of about 10

@@ -5,7 +5,7 @@ import pytest
 from activesuit.hysteresis.preisach.model import Preisach
 from activesuit.hysteresis.stops import PrandtlIshlinskii
 from activesuit.identification import Curve
-from activesuit.identification.fits.linear import fit_prandtl_ishlinskii, fit_preisach
+from activesuit.identification.fits.weights import fit_prandtl_ishlinskii, fit_preisach
 from helpers import family, sweep
 
 START, TURNS = 0.5, (0.7, 0.9, 1.1, 1.3, 1.5)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import Backlash
 from activesuit.identification import Corrections, fit_curves
-from activesuit.identification.fits.play import play_of
-from activesuit.identification.fits.registry import fit_model
+from activesuit.identification.fits.registry import fit_model, play_of
 from helpers import family
 
 GAP = 0.05

@@ -7,8 +7,7 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, Clipped, JilesAtherton, Viscoelastic
 from activesuit.identification import Corrections, Curve, bare, fit_curves, select
-from activesuit.identification.fits.rate import rate_of
-from activesuit.identification.fits.registry import FITS, fit_model
+from activesuit.identification.fits.registry import FITS, fit_model, rate_of
 from helpers import sweep
 
 NOISE, VISCOUS = 0.05, Corrections(rate="viscous")

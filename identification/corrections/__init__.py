@@ -1,0 +1,1 @@
+"""What is taken off the curves before a fit: offset, change over the cycles, noise of cycles."""

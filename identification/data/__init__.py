@@ -1,0 +1,1 @@
+"""The measurements: files, columns, curves, their parts, and motions to measure."""

@@ -1,0 +1,298 @@
+"""Faults of a measurement that explain the residual of a fit: their tests, fits and choice.
+
+Each of `residual.faults` is first one column beside the derivatives of a fit (see
+`residual.misfit`). Those that the F test finds are then fitted beside the model, alone or in pairs,
+and are causes only if nothing but noise remains: a wrong model is no fault of the measurement, and
+no fault makes it right.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InputError
+from ...hysteresis.protocol import HysteresisModel
+from ..data.curves import Curve, Curves
+from ..fits.objective import InitialTorque, predicted
+from ..fits.tangent import Coordinates
+from .faults import Fault, Hypothesis, fault_remark, hypotheses
+from .misfit import Explained, explained
+from .noise import GRID, Noise, whiten
+from .remarks import Remark
+
+RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
+ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
+# Probability below which a fault is fitted. Play and gaps are less certain by their column, which
+# has another size than they, than by their fit.
+SCREENED = 0.005
+NEVER_BELOW_ZERO = ("play", "gap", "rate")
+NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
+TRIED = 4  # number of faults that are fitted, of those with the largest F
+SECOND = 2  # number of faults that are fitted beside each of them
+FEW = 12  # coordinates of a model, up to which a fault is fitted beside it anew
+STEPS = 40  # largest number of steps of such a fit
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """A fault that, alone or with another one, explains a residual down to the noise.
+
+    Attributes:
+        name: tare, rate, lag, play, gap, drift, softening, offset or gain.
+        curve: Name of the curve that has it; empty if all have.
+        size: How large it is: [N·m] of tare and offset, [N·m·s/rad] of rate, [s] of lag, [rad] of
+            play and gap, [1] of gain, of drift, per curve, or per cycle of one long record, and of
+            softening, at the beginning over the end.
+        explained: F test of its column, or of what it adds at its size.
+        left: Root mean square of the residual if all of them are fitted too [N·m].
+    """
+
+    name: Fault
+    curve: str
+    size: float
+    explained: Explained
+    left: float
+
+    def to_dict(self) -> dict[str, object]:
+        """Returns curve, size and probability as plain values."""
+        probability = self.explained.probability
+        return {"curve": self.curve, "size": self.size, "probability": probability}
+
+    @property
+    def remark(self) -> Remark:
+        """The fault in words, and its remedy."""
+        return fault_remark(self.name, self.size, self.curve)
+
+
+class Residual(NamedTuple):
+    """The residual of a fit, and what it is tested against.
+
+    Residual, slopes and smooth columns are divided by the relative deviation of the noise.
+
+    Attributes:
+        coordinates: Fitted model and initial torque.
+        curves: Fitted curves, in the order of measurement.
+        values: Measured less fitted torque [N·m], shape (samples,).
+        slopes: Derivatives of the torque with respect to the fitted parameters, shape
+            (samples, p).
+        smooth: Columns that may explain what remains, shape (samples, q).
+        scale: Relative deviation of the noise of each sample, shape (samples,).
+        known: Noise known from repeated curves; None estimates it.
+    """
+
+    coordinates: Coordinates
+    curves: Curves
+    values: Array
+    slopes: Array
+    smooth: Array
+    scale: Array
+    known: Noise | None
+
+    @property
+    def sizes(self) -> list[int]:
+        """Number of samples of each curve."""
+        return [curve.torque.size for curve in self.curves]
+
+
+class Linear(NamedTuple):
+    """A fault as one column (samples,) beside the derivatives of a fit, with its F test."""
+
+    hypothesis: Hypothesis
+    column: Array
+    size: float
+    explained: Explained
+
+
+class Beside(NamedTuple):
+    """A model and faults that are fitted together.
+
+    Attributes:
+        residual: What remains [N·m], shape (samples,).
+        slopes: Derivatives of the torque with respect to the model's coordinates and to the sizes
+            of the faults, shape (samples, p + faults).
+        sizes: Size of each fault.
+        added: Torque that each fault adds [N·m], shape (samples, faults).
+    """
+
+    residual: Array
+    slopes: Array
+    sizes: Array
+    added: Array
+
+
+def causes(rest: Residual) -> list[Cause]:
+    """Returns the fault, or the two, that explain a residual down to the noise."""
+    model, start = rest.coordinates.at(rest.coordinates.point)
+    columns = [(one, column / rest.scale) for one, column in _columns(model, start, rest.curves)]
+    nothing = Beside(rest.values, rest.slopes, np.empty(0), np.empty((rest.values.size, 0)))
+    alone = _likely(rest, columns, nothing, below=SCREENED)
+    pairs = []
+    for groups in ([(one,) for one in alone], pairs):
+        right = []
+        for faults in groups:
+            fit = _fitted(rest, faults)
+            if fit is None:
+                continue
+            left = explained(fit.residual, fit.slopes, rest.smooth, rest.sizes, rest.known)
+            if left.probability >= ENOUGH:
+                proofs = _proofs(rest, fit, faults)
+                if all(one.probability < RARE for one in proofs):
+                    right.append((faults, fit, proofs))
+            elif len(faults) == 1 and faults[0].explained.probability < RARE:
+                name = faults[0].hypothesis.name
+                others = _likely(rest, columns, fit, below=RARE, but=name)
+                pairs += [(*faults, other) for other in others[:SECOND]]
+        if right:
+            faults, fit, proofs = min(right, key=lambda some: _criterion(*some[:2]))
+            left = float(np.sqrt(np.mean(fit.residual**2)))
+            return [
+                Cause(one.hypothesis.name, one.hypothesis.curve, size, proof, left)
+                for one, size, proof in zip(faults, fit.sizes.tolist(), proofs, strict=True)
+            ]
+    return []
+
+
+def _proofs(rest: Residual, fit: Beside, faults: Sequence[Linear]) -> list[Explained]:
+    """Returns the surer F test of each fault: by its column, or by what it adds at its size."""
+    first, found = fit.slopes.shape[1] - fit.sizes.size, []
+    for i, (one, added) in enumerate(zip(faults, fit.added.T, strict=True)):
+        others = np.delete(fit.slopes, first + i, axis=1)
+        test = _surest(rest, fit.residual + added, others, added)
+        found.append(min(test, one.explained, key=lambda some: some.probability))
+    return found
+
+
+def _surest(rest: Residual, residual: Array, slopes: Array, column: Array) -> Explained:
+    """Returns the F test of a column under the noise of repeats or of the residual.
+
+    One pair of repeats says little of slow noise, and so would make few faults certain.
+    """
+    noises = (rest.known, None) if rest.known else (None,)
+    tests = [explained(residual, slopes, column[:, None], rest.sizes, one) for one in noises]
+    return min(tests, key=lambda one: one.probability)
+
+
+def _criterion(faults: Sequence[Linear], fit: Beside) -> float:
+    """Returns the Bayesian information criterion of faults that are fitted beside a model.
+
+    Wear-in has a pace, too, which is chosen among several.
+    """
+    numbers = sum(2 if one.hypothesis.name == "softening" else 1 for one in faults)
+    samples = fit.residual.size
+    return samples * math.log(float(fit.residual @ fit.residual)) + numbers * math.log(samples)
+
+
+def _columns(
+    model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]
+) -> Iterator[tuple[Hypothesis, Array]]:
+    """Yields all faults that the curves can show, each with its column."""
+    for hypothesis in hypotheses(model, curves):
+        try:
+            here = hypothesis.torque(model, start, 0.0)
+            column = (hypothesis.torque(model, start, hypothesis.step) - here) / hypothesis.step
+        except InputError:
+            continue  # the model cannot begin with that torque at another angle
+        if np.isfinite(column).all():  # else the model meets its pole a little beyond the curves
+            yield hypothesis, column
+
+
+def _likely(
+    rest: Residual,
+    columns: Sequence[tuple[Hypothesis, Array]],
+    fit: Beside,
+    *,
+    below: float,
+    but: str = "",
+) -> list[Linear]:
+    """Returns the faults of a probability below some limit, the likeliest first, but for one."""
+    found: dict[Fault, Linear] = {}
+    residual, slopes = fit.residual, fit.slopes
+    for hypothesis, column in columns:
+        if hypothesis.name == but:
+            continue
+        alone = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
+        if np.linalg.norm(alone) <= NEGLIGIBLE * np.linalg.norm(column):
+            continue
+        test = _surest(rest, residual, slopes, column)
+        size = _coefficient(residual, slopes, column, rest.sizes, test.noise)
+        if test.probability >= below or (hypothesis.name in NEVER_BELOW_ZERO and size < 0):
+            continue
+        best = found.get(hypothesis.name)
+        if best is None or test.statistic > best.explained.statistic:
+            found[hypothesis.name] = Linear(hypothesis, column, size, test)
+    return sorted(found.values(), key=lambda one: -one.explained.statistic)[:TRIED]
+
+
+def _fitted(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
+    """Returns faults that are fitted beside the model; None if one is not plausible."""
+    if rest.coordinates.point.size <= FEW:
+        found = _anew(rest, faults)
+    else:
+        count = rest.slopes.shape[1]
+        both = np.column_stack([rest.slopes, *(one.column for one in faults)])
+        best: Array = np.asarray(np.linalg.lstsq(both, rest.values, rcond=None)[0], np.float64)
+        sizes = best[count:]
+        found = Beside(rest.values - both @ best, both, sizes, both[:, count:] * sizes)
+    if found is None:
+        return None
+    for one, size in zip(faults, found.sizes.tolist(), strict=True):
+        if abs(size) > one.hypothesis.most or (
+            one.hypothesis.name in NEVER_BELOW_ZERO and size <= 0
+        ):
+            return None
+    return found
+
+
+def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
+    """Fits model and faults together by least squares; None where that fails."""
+    from scipy.optimize import least_squares  # slow to import
+
+    coordinates, curves, scale = rest.coordinates, rest.curves, rest.scale
+    measured = np.concatenate([curve.torque for curve in curves])
+    count = coordinates.point.size
+    far = 10 * np.abs(measured).max()
+
+    def residual(at: Array) -> Array:
+        try:
+            return ahead(at)
+        except (InputError, OverflowError):
+            return np.full(measured.size, far)
+
+    def ahead(at: Array) -> Array:
+        plain, added = parts(at)
+        with np.errstate(over="ignore", invalid="ignore"):
+            left = (measured - plain) / scale - added.sum(axis=1)
+        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
+
+    def parts(at: Array) -> tuple[Array, Array]:
+        model, start = coordinates.at(at[:count])
+        pairs = zip(faults, at[count:].tolist(), strict=True)
+        with np.errstate(over="ignore", invalid="ignore"):  # at a pole
+            plain = np.concatenate([predicted(model, start, curve) for curve in curves])
+            added = [one.hypothesis.torque(model, start, size) - plain for one, size in pairs]
+            return plain, np.column_stack(added) / scale[:, None]
+
+    begin = np.concatenate([coordinates.point, [one.size for one in faults]])
+    found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
+    if not np.isfinite(found.fun).all() or not np.isfinite(found.jac).all():
+        return None
+    try:
+        _, added = parts(found.x)
+    except (InputError, OverflowError):
+        return None  # it ended where there is no such model
+    if not np.isfinite(added).all():
+        return None  # it ended at a pole
+    return Beside(found.fun, -found.jac, found.x[count:], added)
+
+
+def _coefficient(
+    residual: Array, slopes: Array, column: Array, sizes: Sequence[int], noise: Noise
+) -> float:
+    """Returns the coefficient of a column beside the slopes, under the likeliest noise."""
+    memory, white = GRID[int(np.argmax(noise.weight))]
+    both, _ = whiten(np.column_stack([slopes, column, residual]), sizes, memory, white)
+    return float(np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=None)[0][-1])

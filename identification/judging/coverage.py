@@ -1,0 +1,269 @@
+"""Comparison of measured curves with an intended motion: range, reversals, rates and cycles.
+
+A fit is tested by its curves only. Whether it is valid for another motion depends on how that
+motion differs from them, which this module expresses in numbers and sentences.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InputError
+from ...hysteresis.loops import estimate_dead_band, reversals
+from ...hysteresis.protocol import finite_series
+from ..data.curves import Curve
+from ..data.files import Motion
+from ..data.motions import BRANCHES
+
+SMALLEST = 0.02  # assumed share of a motion's range: smaller swings do not count
+DEEP = BRANCHES  # reversals within each other, as in `nested_motion`: more are not required
+FINE = 1 / BRANCHES  # shortest required branch over the range, as in `nested_motion`
+ENOUGH_CYCLES = 3  # assumed number: the third shows whether the change from the first continues
+WHOLE = 0.9  # share of a motion's range: a branch of that length is half a cycle
+BEYOND = 0.01  # tolerated excursion of a motion beyond the range of the curves, over that range
+NEAR = 2.0  # assumed ratio to a measured rate or depth, up to which both are alike
+PARTS = 10  # number of parts of a branch; the fastest part gives its rate
+DESIGNED = "the record that `nested_motion` (activesuit design) gives"
+NESTED = 2  # reversals within each other, from which on a curve tests nested loops
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coverage:
+    """Range, reversals, rates and cycles of motions of one joint.
+
+    A branch is the way from one reversal to the next, or from or to an end of a motion. Swings
+    below 2 % of a motion's range, or within its noise, count as none.
+
+    Attributes:
+        range: Smallest and largest angle [rad].
+        reversals: Number of reversals of all motions.
+        nesting: The most reversals that are remembered at once: 0 without reversals, 1 for
+            first-order curves and cycles between two angles. By return-point memory (Madelung's
+            rules) two reversals are forgotten when the motion passes the first of them, and all of
+            them at an extreme of the whole motion so far.
+        branches: The shortest, the median and the longest branch, as shares of the range.
+        rates: Rate of the slowest and of the fastest branch [rad/s], each that of the fastest of
+            ten parts of it, over all motions with known times; None if there are none.
+        cycles: The most whole cycles of one motion: half the number of its branches over at least
+            90 % of its range.
+    """
+
+    range: tuple[float, float]
+    reversals: int
+    nesting: int
+    branches: tuple[float, float, float]
+    rates: tuple[float, float] | None
+    cycles: int
+
+    @property
+    def span(self) -> float:
+        """Largest less smallest angle [rad]."""
+        return self.range[1] - self.range[0]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns all fields as plain values."""
+        return asdict(self)
+
+
+def coverage(curves: Sequence[Curve]) -> Coverage:
+    """Returns the coverage of measured curves."""
+    return motion_coverage(Motion(curve.time, curve.angle) for curve in curves)
+
+
+def motion_coverage(motions: Iterable[Motion]) -> Coverage:
+    """Returns the coverage of motions of one joint.
+
+    Args:
+        motions: Times, if they are known, and angles of each.
+    """
+    given = [(time, finite_series("angle", angle, "rad")) for time, angle in motions]
+    if not given:
+        raise InputError("there is no motion: give at least one")
+    low = min(float(angle.min()) for _, angle in given)
+    high = max(float(angle.max()) for _, angle in given)
+    if low == high:
+        raise InputError(f"the motion stays at {low:g} rad: give one that moves")
+    found = [_Branches.of(time, angle) for time, angle in given if np.ptp(angle) > 0]
+    ways = np.concatenate([one.ways for one in found]) / (high - low)
+    rates = [rate for one in found for rate in one.rates]
+    return Coverage(
+        range=(low, high),
+        reversals=sum(len(one.ways) - 1 for one in found),
+        nesting=max(one.nesting for one in found),
+        branches=(float(ways.min()), float(np.median(ways)), float(ways.max())),
+        rates=(min(rates), max(rates)) if rates else None,
+        cycles=max(one.cycles for one in found),
+    )
+
+
+def any_motion(measured: Coverage) -> Coverage:
+    """Returns the coverage that any motion needs in the range and at the rates of the curves."""
+    return Coverage(
+        range=measured.range,
+        reversals=DEEP,
+        nesting=DEEP,
+        branches=(FINE, (FINE + 1) / 2, 1.0),
+        rates=measured.rates,
+        cycles=measured.cycles,
+    )
+
+
+def shortfalls(measured: Coverage, needed: Coverage) -> list[str]:
+    """Returns a sentence for each need of a motion that the curves do not cover.
+
+    Args:
+        measured: Coverage of the curves.
+        needed: Coverage of the intended motion.
+    """
+    found = (_range, _nesting, _branches, _rates, _cycles)
+    return [sentence for one in found if (sentence := one(measured, needed))]
+
+
+def loops_suffice(measured: Coverage, needed: Coverage) -> bool:
+    """Returns whether curves fall short of a motion at most in loops, not in range or rates."""
+    return not any(one(measured, needed) for one in (_range, _rates, _cycles))
+
+
+def nesting_of(points: Sequence[float], tolerance: float = 0.0) -> int:
+    """Returns the most reversals that a motion remembers at once, see `Coverage`.
+
+    Args:
+        points: First angle, reversals and last angle of the motion [rad].
+        tolerance: Distance within which an angle counts as reached [rad].
+    """
+    remembered: list[float] = []
+    deepest = 0
+    low, high = sorted(points[:2])
+    for before, angle in pairwise(points[1:]):
+        remembered.append(before)
+        deepest = max(deepest, len(remembered))
+        up = 1.0 if angle > before else -1.0
+        while len(remembered) > 1 and up * (angle - remembered[-2]) >= -tolerance:
+            del remembered[-2:]
+        if angle >= high - tolerance or angle <= low + tolerance:
+            remembered.clear()
+        low, high = min(low, angle), max(high, angle)
+    return deepest
+
+
+class _Branches(NamedTuple):
+    """One motion: length of its branches [rad], their rates [rad/s], its nesting and cycles."""
+
+    ways: Array
+    rates: list[float]
+    nesting: int
+    cycles: int
+
+    @classmethod
+    def of(cls, time: Array | None, angle: Array) -> "_Branches":
+        span = float(np.ptp(angle))
+        dead_band = max(estimate_dead_band(angle), SMALLEST * span)
+        ends = _ends(angle, reversals(angle, dead_band).tolist())
+        points = angle[ends]
+        ways = np.abs(np.diff(points))
+        rates = []
+        if time is not None:
+            rates = [
+                _rate(angle[start : stop + 1], time[start : stop + 1], dead_band)
+                for start, stop in pairwise(ends)
+            ]
+        whole = int(np.count_nonzero(ways >= WHOLE * span))
+        return cls(ways, rates, nesting_of(points.tolist(), SMALLEST * span), whole // 2)
+
+
+def _ends(angle: Array, turns: list[int]) -> list[int]:
+    """Returns the samples where branches end: the first and the last one, and turns between.
+
+    The first and the last are extremes too, because just after a turn a motion is still within the
+    noise.
+    """
+    if not turns:
+        return sorted([int(angle.argmin()), int(angle.argmax())])
+    first, last = angle[: turns[0] + 1], angle[turns[-1] :]
+    begin = first.argmin() if 2 * first[-1] > first.min() + first.max() else first.argmax()
+    end = last.argmin() if 2 * last[0] > last.min() + last.max() else last.argmax()
+    return [int(begin), *turns, turns[-1] + int(end)]
+
+
+def _rate(angle: Array, time: Array, dead_band: float) -> float:
+    """Returns the rate of the fastest part of a branch [rad/s]; no part is as short as noise."""
+    way = np.abs(angle - angle[0])
+    parts = int(np.clip(way[-1] / dead_band, 1, PARTS))
+    levels = np.linspace(0, way[-1], parts + 1)
+    took = np.diff(np.interp(levels, np.maximum.accumulate(way), time))
+    return float(levels[1] / took.min())
+
+
+def _range(measured: Coverage, needed: Coverage) -> str:
+    (low, high), allowed = measured.range, BEYOND * measured.span
+    ends = []
+    if needed.range[0] < low - allowed:
+        ends.append(f"below {low:.3g} rad")
+    if needed.range[1] > high + allowed:
+        ends.append(f"above {high:.3g} rad")
+    if not ends:
+        return ""
+    return (
+        f"the intended motion goes from {needed.range[0]:.3g} to {needed.range[1]:.3g} rad, the "
+        f"curves from {low:.3g} to {high:.3g} rad: {' and '.join(ends)} the torque is a guess; "
+        "measure the joint there too"
+    )
+
+
+def _nesting(measured: Coverage, needed: Coverage) -> str:
+    if measured.nesting >= min(needed.nesting, DEEP):
+        return ""
+    why = "models that agree with them may differ in the loops inside these"
+    if measured.nesting == 0:
+        why = "curves that never turn back do not identify loops"
+    elif measured.nesting == 1:
+        why = "first-order curves do not identify nested loops"
+    return (
+        f"the intended motion has reversals nested {needed.nesting} deep, the curves at most "
+        f"{measured.nesting}: {why}; measure {DESIGNED}"
+    )
+
+
+def _branches(measured: Coverage, needed: Coverage) -> str:
+    shortest = measured.branches[0] * measured.span
+    wanted = max(needed.branches[0] * needed.span, FINE * measured.span)
+    if NEAR * wanted >= shortest:
+        return ""
+    return (
+        f"the intended motion turns back after {needed.branches[0] * needed.span:.2g} rad, the "
+        f"curves after {shortest:.2g} rad at the least: how small loops differ from large ones is "
+        f"a guess; measure {DESIGNED}"
+    )
+
+
+def _rates(measured: Coverage, needed: Coverage) -> str:
+    if needed.rates is None:
+        return ""
+    moves = f"the intended motion moves at up to {needed.rates[1]:.2g} rad/s"
+    if measured.rates is None:
+        return (
+            f"{moves}, and the curves come without their time: whether the torque depends on the "
+            "rate is unknown; add the column time_s to them"
+        )
+    slowest, fastest = measured.rates
+    if needed.rates[1] <= NEAR * fastest:
+        return ""
+    return (
+        f"{moves}, the curves at {slowest:.2g} to {fastest:.2g} rad/s: whether the torque depends "
+        f"on the rate is unknown beyond; measure up to {needed.rates[1] / NEAR:.2g} rad/s, or as "
+        "fast as the rig can"
+    )
+
+
+def _cycles(measured: Coverage, needed: Coverage) -> str:
+    if needed.cycles < 2 or measured.cycles >= min(needed.cycles, ENOUGH_CYCLES):
+        return ""
+    return (
+        f"the intended motion goes through {needed.cycles} whole cycles, a curve through at most "
+        f"{measured.cycles}: whether the torque softens from cycle to cycle is unknown; measure "
+        f"{ENOUGH_CYCLES} cycles without a pause"
+    )

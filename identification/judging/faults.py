@@ -1,0 +1,198 @@
+"""Known faults of a measurement, each as the torque that it would add, and in words."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...hysteresis.around import Backlash, Viscoelastic, without_rate
+from ...hysteresis.protocol import HysteresisModel
+from ..data.curves import Curve, Curves
+from ..fits.objective import InitialTorque, predicted
+from .remarks import Remark
+
+# Plays and gaps to try [rad], because the torque that they add is not proportional to them.
+WIDTHS = np.radians([0.2, 1.0, 4.0])
+REST = 3600.0  # s, so long that the way to a face has no rate
+LARGEST_DRIFT = 0.5  # share of the torque from curve to curve; more is no drift
+LEAST_CYCLES = 1.5  # a shorter record shows no drift
+# Paces of wear-in to try, as numbers of curves or cycles, and least number that shows it.
+PACES = np.geomspace(0.5, 8, 12)
+LEAST_WEAR = 2.0
+Fault = Literal["tare", "rate", "lag", "play", "gap", "drift", "softening", "offset", "gain"]
+Faulty = Callable[[HysteresisModel, InitialTorque, float], Array]
+_SENTENCES: dict[Fault, Callable[[float, str], str]] = {
+    "tare": lambda size, _: (
+        f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
+        "cannot describe: it is the sensor's offset (zero the sensor, or fit it), or the rest "
+        "angle of a spring, which other models have"
+    ),
+    "rate": lambda size, _: (
+        f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous; measure "
+        "slower, or fit the rate too"
+    ),
+    "lag": lambda size, _: (
+        f"the torque is measured {abs(size):.2g} s {'after' if size > 0 else 'before'} the angle: "
+        "shift one of them, use the same filter for both, or measure slower"
+    ),
+    "play": lambda size, _: (
+        f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
+        "follows: there is play between encoder and joint; remove it, or measure the joint itself"
+    ),
+    "gap": lambda size, _: (
+        f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: "
+        "there the contact in the transmission changes from one face to another; remove that gap, "
+        "or fit it too"
+    ),
+    "drift": lambda size, _: (
+        f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
+        "sensor drifts, or the joint wears; measure in one go, or remove the change"
+    ),
+    "softening": lambda size, _: (
+        f"the torque begins {100 * abs(size):.2g} % {'larger' if size > 0 else 'smaller'} than it "
+        "ends: the joint wears in; cycle it before, and fit only the last cycles, or remove the "
+        "change"
+    ),
+    "offset": lambda size, curve: (
+        f"a torque of {size:+.2g} N·m is in all samples of curve {curve!r}, and not in the others: "
+        "zero the sensor before every curve; subtract it there, or measure that curve again"
+    ),
+    "gain": lambda size, curve: (
+        f"the torque of curve {curve!r} is {100 * size:+.2g} % larger than that of the others: "
+        "check the sensor's range and the unit of that curve, or measure it again"
+    ),
+}
+_OPTIONS: dict[Fault, tuple[str, str]] = {
+    "tare": ("tare", "fit"),
+    "rate": ("rate", "viscous"),
+    "gap": ("play", "fit"),
+    **dict.fromkeys(("drift", "softening"), ("softening", "fit")),
+}
+
+
+def played(angle: Array, gap: float) -> Array:
+    """Returns the angle behind a play of a gap [rad], which follows once the gap is taken up."""
+    found, here = np.empty_like(angle), angle[0]
+    for i, ahead in enumerate(angle):
+        here = min(max(here, ahead - gap), ahead)
+        found[i] = here
+    return found
+
+
+class Hypothesis(NamedTuple):
+    """A fault to try.
+
+    Attributes:
+        name: Name of the fault.
+        curve: Curve that has it; empty if all have.
+        step: Size at which its column is computed.
+        most: Largest size that is plausible.
+        torque: Torque along all curves [N·m] with a fault of some size, shape (samples,).
+    """
+
+    name: Fault
+    curve: str
+    step: float
+    most: float
+    torque: Faulty
+
+
+def fault_remark(name: Fault, size: float, curve: str) -> Remark:
+    """Returns a fault of some size in words, and its remedy."""
+    return Remark(name, _SENTENCES[name](size, curve), _OPTIONS.get(name))
+
+
+def hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypothesis]:
+    """Yields all faults that the curves can show."""
+    peak, span = Curves(curves).peak, max(float(np.ptp(curve.angle)) for curve in curves)
+    sizes = [curve.torque.size for curve in curves]
+
+    def plain(model: HysteresisModel, start: InitialTorque) -> list[Array]:
+        return [predicted(model, start, curve) for curve in curves]
+
+    def added(column: Array) -> Faulty:
+        return lambda model, start, size: np.concatenate(plain(model, start)) + size * column
+
+    def scaled(column: Array) -> Faulty:
+        return lambda model, start, size: np.concatenate(plain(model, start)) * (1 + size * column)
+
+    def played_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+        late = [replace(curve, angle=played(curve.angle, max(size, 0.0))) for curve in curves]
+        return np.concatenate([predicted(model, start, curve) for curve in late])
+
+    def late_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+        torques = zip(times, plain(model, start), strict=True)
+        return np.concatenate([_delayed(time, torque, size) for time, torque in torques])
+
+    def gap_torque(face: int) -> Faulty:
+        def torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+            if size <= 0:
+                return np.concatenate(plain(model, start))
+            behind = _behind_gap(model, size)
+            begun = [_begun_at_face(curve, face * size / 2) for curve in curves]
+            return np.concatenate([predicted(behind, start, curve)[1:] for curve in begun])
+
+        return torque
+
+    yield Hypothesis("tare", "", peak, peak / 2, added(np.ones(sum(sizes))))
+    times = [curve.time for curve in curves if curve.time is not None]
+    if len(times) == len(curves):
+        pairs = zip(curves, times, strict=True)
+        rate = np.concatenate([np.gradient(curve.angle, time) for curve, time in pairs])
+        most = peak / max(float(np.abs(rate).max()), np.finfo(float).tiny)
+        yield Hypothesis("rate", "", most, most, added(rate))
+        step = float(np.median(np.concatenate([np.diff(time) for time in times])))
+        shortest = min(float(np.ptp(time)) for time in times)
+        yield Hypothesis("lag", "", step, shortest / 4, late_torque)
+    way = curves[0].angle - curves[0].angle[0]
+    ahead = 1 if way.max() > -way.min() else -1
+    for width in WIDTHS.tolist():
+        yield Hypothesis("play", "", width, span / 4, played_torque)
+        if not isinstance(without_rate(model), Backlash):
+            for face in (0, ahead):  # the motion begins in the middle of the gap, or in contact
+                yield Hypothesis("gap", "", width, span / 4, gap_torque(face))
+    order = np.repeat(np.arange(len(curves), dtype=np.float64), sizes)
+    passed = order if len(curves) > 1 else _cycles(curves[0].angle)
+    if len(curves) > 1 or passed[-1] >= LEAST_CYCLES:
+        yield Hypothesis("drift", "", 1.0, LARGEST_DRIFT, scaled(passed))
+    for pace in PACES.tolist() if passed[-1] >= LEAST_WEAR else ():
+        yield Hypothesis("softening", "", 1.0, LARGEST_DRIFT, scaled(np.exp(-passed / pace)))
+    for i, curve in enumerate(curves if len(curves) > 1 else ()):
+        here = np.where(order == i, 1.0, 0.0)
+        yield Hypothesis("offset", curve.name, peak, peak / 2, added(here))
+        yield Hypothesis("gain", curve.name, 1.0, np.inf, scaled(here))
+
+
+def _delayed(time: Array, torque: Array, lag: float) -> Array:
+    """Returns torques of an earlier time; the joint rests before the first, and goes on at last."""
+    last = (torque[-1] - torque[-2]) / (time[-1] - time[-2])
+    beyond = np.maximum(time - lag - time[-1], 0.0)
+    return np.interp(time - lag, time, torque) + last * beyond
+
+
+def _begun_at_face(curve: Curve, shift: float) -> Curve:
+    """Returns a curve that has moved through a part of a gap before its first sample [rad]."""
+    time = curve.time
+    if time is not None:
+        time = np.concatenate([time[:1] - REST, time])
+    return replace(
+        curve,
+        angle=np.concatenate([curve.angle[:1], curve.angle + shift]),
+        torque=np.concatenate([curve.torque[:1], curve.torque]),
+        time=time,
+    )
+
+
+def _behind_gap(model: HysteresisModel, gap: float) -> HysteresisModel:
+    """Returns a model behind a gap; a dashpot stays beside it."""
+    if isinstance(model, Viscoelastic):
+        return replace(model, model=_behind_gap(model.model, gap))
+    return Backlash(model=model, gap=gap)
+
+
+def _cycles(angle: Array) -> Array:
+    """Returns how many cycles over its range a motion has gone through at each sample."""
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))])
+    return way / (2 * np.ptp(angle))

@@ -1,0 +1,331 @@
+"""Uncertainty of the parameters and the torque of an identified model."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ...arrays import Array
+from ...checks import at_least, check_seed
+from ...errors import InputError, shown
+from ...hysteresis.around import Clipped, Viscoelastic
+from ...hysteresis.jiles_atherton.kernels import is_exact
+from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
+from ...hysteresis.protocol import HysteresisModel
+from ..data.curves import Curve, Curves
+from ..data.parts import thinned
+from ..fits.certified import refined
+from ..fits.objective import CurveObjective, InitialTorque, sample_weights, torque_errors
+from ..fits.registry import FITS, fit_model, play_of, rate_of, without_play
+from ..fits.search import MARGIN
+from ..fits.tangent import STEP, Coordinates, coordinates_of, tangent
+from .likelihood import Likelihood, sloppy_directions
+from .noise import Noise, estimate_noise, uneven_noise
+from .systematic import Systematic, Term, estimator_covariance, rates_of, systematic
+
+CONFIDENCE = 0.95
+FARTHEST = math.log(1e4)  # largest distance of the end of an interval; beyond, it has no end
+NEAR = 1e-3  # distance from the least margin of the certificate, within which it binds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Uncertainty:
+    """Uncertainty of the parameters of a model, in the model's own units.
+
+    Everything is linearized at the given model in the coordinates of the fit: the logarithm of a
+    parameter that must be above some value, and the parameter itself otherwise. The noise of the
+    torque has a white and a slow part, estimated from the residual (see
+    `judging.noise`).
+
+    Attributes:
+        names: Names of the fitted parameters, those in lists as weights[3].
+        values: The parameters, shape (n,).
+        standard_errors: Standard deviation of each parameter, shape (n,).
+        correlation: Correlation of their coordinates, shape (n, n).
+        condition: Condition number of the derivatives with respect to relative changes of the
+            parameters: how many times better the best known combination is known than the worst.
+        sloppy: Combinations and limits that the curves do not determine, as sentences; empty if
+            there are none.
+        intervals: The 95 % interval of each parameter, lower and upper end, shape (n, 2). Each is
+            valid for its own parameter, not for all at once. Where the certificate binds, it is
+            one-sided in the direction of the certificate's margin. Where the curves set no limit,
+            an end is that of all models.
+        samples: Models as fits to repetitions of the curves would give, with other noise and other
+            systematic errors; each is certified.
+        offset: Offset of the torque sensor [N·m] that the curves allow beside the model, with its
+            standard deviation; None where they do not limit it.
+        left_open: Systematic errors that the curves do not limit, so that no sample has them, as
+            phrases.
+        offset_open: Kinds of model that fit the curves with other offsets of the torque sensor as
+            well, such as those whose spring has a rest angle: that of the model if `offset` is
+            None, and in `Selection.uncertainty` those of its samples too.
+        noise: Noise of the torque, for a curve of mean weight.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    standard_errors: Array
+    correlation: Array
+    condition: float
+    sloppy: tuple[str, ...]
+    intervals: Array
+    samples: tuple[HysteresisModel, ...]
+    offset: Term | None
+    left_open: tuple[str, ...]
+    offset_open: tuple[str, ...]
+    noise: Noise
+    _coordinates: Coordinates = field(repr=False)
+    _covariance: Array = field(repr=False)
+    _limit: Array | None = field(repr=False)
+
+    def band(self, curve: Curve) -> tuple[Array, Array]:
+        """Returns the ends of the 95 % interval of the torque along a curve [N·m], (samples,) each.
+
+        They follow from the uncertainty of the parameters, if the kind of model is right.
+
+        Args:
+            curve: Motion; its torque is used only where the fit began with the measured one.
+        """
+        if not isinstance(curve, Curve):
+            raise InputError(f"curve is {shown(curve)}: give a Curve, whose torque may be zeros")
+        model, start = self._coordinates.at(self._coordinates.point)
+        torque = torque_errors(model, start, [curve]) + curve.torque
+        down, up = _spread(self._covariance, self._limit, tangent(self._coordinates, [curve]))
+        width = _width(self.noise)
+        return torque - width * down, torque + width * up
+
+
+def uncertainty(
+    model: HysteresisModel,
+    curves: Sequence[Curve],
+    *,
+    initial_torque: InitialTorque = 0.0,
+    fitted_start: bool = False,
+    samples: int = 0,
+    seed: int = 0,
+) -> Uncertainty:
+    """Estimates the uncertainty of a fitted model; `Fit.uncertainty` calls it.
+
+    Args:
+        model: Identified model of any kind, whose fit minimized squares.
+        curves: Curves that it was fitted to; those with role "fit" are used. Of more than 50,000
+            samples only those count that `thinned` leaves, which widens the intervals.
+        initial_torque: Torque with which every curve begins [N·m]; or "measured".
+        fitted_start: Whether the fit chose that torque.
+        samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
+            as that of the residual, an offset and a damping that the curves allow are fitted anew.
+        seed: Seed of all that is drawn.
+    """
+    at_least("samples", samples, 0)
+    check_seed(seed)
+    measured = thinned(Curves(curves).fitted())
+    coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
+    sizes = [curve.torque.size for curve in measured]
+    if sum(sizes) <= coordinates.values.size:
+        raise InputError(
+            f"the fitted curves have {sum(sizes)} samples in all: give more than the "
+            f"{coordinates.values.size} parameters"
+        )
+    residual = -torque_errors(model, initial_torque, measured)
+    if not np.isfinite(residual).all():
+        raise InputError(
+            "the model meets its pole on these curves: give those that it was fitted to"
+        )
+    scale = np.sqrt(sample_weights(measured))
+    slopes = tangent(coordinates, measured) * scale[:, None]
+    torque = np.concatenate([curve.torque for curve in measured]) - residual
+    uneven = uneven_noise(residual, torque, sizes)
+    relative = uneven.at(torque)
+    noise = estimate_noise(slopes / relative[:, None], residual * scale / relative, sizes, uneven)
+    covariance = estimator_covariance(slopes, noise, sizes, relative)
+    allowed = systematic(model, measured, slopes, residual * scale, scale, noise, relative)
+    limit = _binding(coordinates)
+    intervals = _intervals(coordinates, covariance, limit, noise)
+    deviation = np.sqrt(np.diag(covariance))
+    repeated = _repetitions(model, initial_torque, measured, noise, allowed, samples, seed)
+    refits = tuple(
+        _refitted(model, one, initial_torque, fitted_start, damping, seed)
+        for one, damping in repeated
+    )
+    steps = np.where(
+        np.isfinite(coordinates.least), 1.0, np.maximum(np.abs(coordinates.values), STEP)
+    )
+    return Uncertainty(
+        names=coordinates.names,
+        values=coordinates.values,
+        standard_errors=deviation * coordinates.slopes(),
+        correlation=covariance / np.outer(deviation, deviation),
+        condition=float(np.linalg.cond(slopes * steps)),
+        sloppy=(
+            *_directions(model, measured, initial_torque, fitted_start),
+            *open_ends(coordinates, intervals),
+        ),
+        intervals=intervals,
+        samples=refits,
+        offset=allowed.offset,
+        left_open=allowed.left_open,
+        offset_open=() if allowed.offset else (kind_of(model),),
+        noise=noise,
+        _coordinates=coordinates,
+        _covariance=covariance,
+        _limit=limit,
+    )
+
+
+def _width(noise: Noise) -> float:
+    return float(stdtrit(noise.freedom, (1 + CONFIDENCE) / 2))
+
+
+def _spread(covariance: Array, limit: Array | None, slopes: Array) -> tuple[Array, Array]:
+    """Returns downward and upward deviations of quantities with these slopes, shape (m,) each.
+
+    A fit at the limit of its certificate cannot move beyond it: along the change that goes with the
+    margin only the inner half of the spread is left.
+    """
+    variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0)
+    if limit is None:
+        return np.sqrt(variance), np.sqrt(variance)
+    inward = slopes @ covariance @ limit / math.sqrt(limit @ covariance @ limit)
+    rest = np.maximum(variance - inward**2, 0)
+    down, up = np.minimum(inward, 0), np.maximum(inward, 0)
+    return np.sqrt(rest + down**2), np.sqrt(rest + up**2)
+
+
+def _intervals(
+    coordinates: Coordinates, covariance: Array, limit: Array | None, noise: Noise
+) -> Array:
+    down, up = _spread(covariance, limit, np.eye(len(covariance)))
+    down, up = _width(noise) * down, _width(noise) * up
+    point, limited = coordinates.point, np.isfinite(coordinates.least)
+    low, high = coordinates.numbers(point - down), coordinates.numbers(point + up)
+    low = np.where(limited & (down > FARTHEST), coordinates.least, low)
+    high = np.where(limited & (up > FARTHEST), np.inf, high)
+    return np.column_stack([low, high])
+
+
+def open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
+    """Yields sentences on the parameters whose intervals, shape (n, 2), have no end."""
+    names, (low, high) = np.array(coordinates.names), intervals.T
+    low_open, high_open = low == coordinates.least, high == np.inf
+    for end, is_open in (
+        ("limit", low_open & high_open),
+        ("lower limit", low_open & ~high_open),
+        ("upper limit", high_open & ~low_open),
+    ):
+        if is_open.any():
+            yield f"the curves set no {end} to {', '.join(names[is_open])}"
+
+
+def _binding(coordinates: Coordinates) -> Array | None:
+    """Returns the derivative of the certificate's margin where the fit ended at its limit."""
+    margin = _margin(coordinates, coordinates.point)
+    if not -np.inf < margin <= MARGIN + NEAR:
+        return None
+    moves = STEP * np.eye(coordinates.point.size)
+    moved = [_margin(coordinates, coordinates.point + move) for move in moves]
+    limit = (np.array(moved) - margin) / STEP
+    return limit if np.isfinite(limit).all() and limit.any() else None
+
+
+def _margin(coordinates: Coordinates, point: Array) -> float:
+    return coordinates.at(point)[0].certificate().margin
+
+
+def kind_of(model: HysteresisModel) -> str:
+    """Returns the name of a model without a dashpot, a gap or a range of angles around it."""
+    model = without_play(model.model if isinstance(model, Viscoelastic) else model)
+    return model.model.name if isinstance(model, Clipped) else model.name
+
+
+def _bare(model: HysteresisModel) -> JilesAtherton | None:
+    """Returns the Jiles-Atherton model whose valleys can be walked; None for other models."""
+    inner = model.model if isinstance(model, Clipped) else model
+    if not isinstance(inner, JilesAtherton) or inner.c <= 1:
+        return None
+    return inner if is_exact(inner.parameter_vector) else None
+
+
+def _row(
+    model: JilesAtherton, start: InitialTorque, fitted_start: bool
+) -> tuple[Array, InitialTorque]:
+    """Returns a row and an initial torque as `CurveObjective` takes them."""
+    degrees = model.in_unit("deg")
+    row = np.array([getattr(degrees, name) for name in PARAMETERS])
+    return (np.append(row, float(start)), "identified") if fitted_start else (row, start)
+
+
+def _directions(
+    model: HysteresisModel,
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    fitted_start: bool,
+) -> Iterator[str]:
+    """Yields sentences on the parameters of a Jiles-Atherton model; none for other models."""
+    inner = _bare(model)
+    if inner is None:
+        return
+    if isinstance(model, Clipped):
+        curves = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in curves]
+    row, start = _row(inner, initial_torque, fitted_start)
+    likelihood = Likelihood(CurveObjective(curves, initial_torque=start), row)
+    unit = UNIT_PER_RADIAN[inner.angle_unit] / UNIT_PER_RADIAN["deg"]
+    units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
+    unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
+    yield from sloppy_directions(likelihood, units, unit_names)
+
+
+def _repetitions(
+    model: HysteresisModel,
+    initial_torque: InitialTorque,
+    curves: Sequence[Curve],
+    noise: Noise,
+    allowed: Systematic,
+    samples: int,
+    seed: int,
+) -> Iterator[tuple[list[Curve], float]]:
+    """Yields a model's own curves with other noise and another offset, and a damping.
+
+    The torque of the damping is off the curves, since the joint has it beside the model.
+    """
+    sizes = [curve.torque.size for curve in curves]
+    ends = np.cumsum(sizes)[:-1]
+    torque = torque_errors(model, initial_torque, curves)
+    torque = torque + np.concatenate([curve.torque for curve in curves])
+    scale, rates = np.sqrt(sample_weights(curves)), rates_of(curves)
+    for child in np.random.SeedSequence(seed).spawn(samples):
+        rng = np.random.default_rng(child)
+        repeated = torque + noise.draw(torque, sizes, rng) / scale
+        if allowed.offset is not None:
+            repeated -= allowed.offset.drawn(rng)
+        damping = 0.0
+        if allowed.damping is not None and rates is not None:
+            damping = max(allowed.damping.drawn(rng), 0.0)
+            repeated -= damping * rates
+        parts = np.split(repeated, ends)
+        pairs = zip(curves, parts, strict=True)
+        yield [replace(curve, torque=part) for curve, part in pairs], damping
+
+
+def _refitted(
+    model: HysteresisModel,
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    fitted_start: bool,
+    damping: float,
+    seed: int,
+) -> HysteresisModel:
+    """Returns the model that a fit of the same kind finds on other curves, beside a damping."""
+    if isinstance(model, JilesAtherton) and model.clamp != "none":
+        raise InputError("the model is one of magnetics, whose fit is not repeated: samples=0")
+    inner, name = _bare(model), kind_of(model)
+    if inner is not None:
+        row, start = _row(inner, initial_torque, fitted_start)
+        found: HysteresisModel = refined(curves, row, initial_torque=start).model
+    elif name not in FITS:
+        raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
+    else:
+        rng, rate, play = np.random.default_rng(seed), rate_of(model), play_of(model)
+        found = fit_model(name, curves, rng, rate=rate, play=play).model
+    return Viscoelastic(model=found, damping=damping) if damping > 0 else found

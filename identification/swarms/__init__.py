@@ -1,0 +1,1 @@
+"""Optimizers of any function of a few bounded parameters: the published swarms."""
