@@ -214,12 +214,18 @@ class HysteresisModel(ABC):
         """
         angle = finite_series("angle", angle, "rad")
         memory = self.start(angle[0], initial_torque).memory.copy()
-        torque = np.empty_like(angle)
-        responder(self.kernels)(self._parameters, memory, angle, torque)
+        torque = self._follow(memory, angle, float(initial_torque))
         if np.isnan(torque[-1]):
             last = int(np.flatnonzero(np.isnan(torque))[0])
             raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
         return torque
+
+    def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
+        """Moves a memory on, in place; returns the torque at each angle [N·m], NaN from a pole."""
+        del torque  # the memory has it
+        torques = np.empty_like(angles)
+        responder(self.kernels)(self._parameters, memory, angles, torques)
+        return torques
 
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""

@@ -16,9 +16,9 @@ from .names import check_names
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-# The last word of each is a function in a module of `commands` with the same name. Only the module
-# that is asked for is imported, because all of them together take more than a second. The sentence
-# is the beginning of that function's own help.
+# The first word of each is a module of `commands`, the last one its function. Only the module that
+# is asked for is imported, because all of them together take more than a second. The sentence is
+# the beginning of that function's own help.
 GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
@@ -34,7 +34,7 @@ GROUPS = {
     },
     "Simulate and look": {
         "simulate": "Simulate one assisted arm motion, headless.",
-        "view": "Watch the assisted arm move, in a window or a browser; film or picture it.",
+        "view": "Watch the assisted arm move in a window; film or picture it.",
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
@@ -88,6 +88,7 @@ OLD_OPTIONS = {  # of version 0.2, and what to do in their place
     },
     "--set": "write --NAME VALUE for each, as in --fatigue true --sensing.rate-cutoff 10",
     "--video": "run activesuit view --film FILE",
+    **dict.fromkeys(("--web", "--host", "--port"), "run activesuit view --film FILE"),
     "--export": "run load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
     "--pose": "leave it out, since a picture shows the beginning of the motion",
     **dict.fromkeys(("--width", "--height"), "write --size WIDTH HEIGHT"),
@@ -205,8 +206,8 @@ def _help_of_parts(name: str) -> str:
 
 def function_of(name: str) -> Callable[..., object]:
     """Returns the function of a command."""
-    name = name.rsplit(maxsplit=1)[-1]
-    return getattr(import_module(f".commands.{name}", __package__), name)
+    words = name.split()
+    return getattr(import_module(f".commands.{words[0]}", __package__), words[-1])
 
 
 def _run_command(name: str, arguments: Sequence[str]) -> None:

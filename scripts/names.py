@@ -42,7 +42,7 @@ def check_names(command: str, arguments: Iterable[str], old: Mapping[str, str]) 
     """
     for given in arguments:
         name = given.partition("=")[0].replace("_", "-")
-        known = option_names(command.rsplit(maxsplit=1)[-1])
+        known = option_names(command)
         if not name.startswith("--") or name[2:] in known or name == "--":
             continue
         if name in old:
@@ -59,10 +59,11 @@ def check_names(command: str, arguments: Iterable[str], old: Mapping[str, str]) 
 @cache
 def option_names(command: str) -> frozenset[str]:
     """Returns the names of the options of a command, as they are written behind two dashes."""
+    words = command.split()
     (function,) = (
         node
-        for node in _parsed(f"scripts/commands/{command}.py").body
-        if isinstance(node, ast.FunctionDef) and node.name == command
+        for node in _parsed(f"scripts/commands/{words[0]}.py").body
+        if isinstance(node, ast.FunctionDef) and node.name == words[-1]
     )
     names = {"help"}
     for one in (*function.args.args, *function.args.kwonlyargs):

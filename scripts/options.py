@@ -12,6 +12,7 @@ from ast import literal_eval
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import redirect_stderr
 from dataclasses import field, fields, is_dataclass, make_dataclass
+from importlib import import_module
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
@@ -292,84 +293,46 @@ def _default(label: str) -> str:
     return f"(default: {' '.join(map(str, literal_eval(label)))})"
 
 
-def correctable() -> Iterable[str]:
-    """Returns the names of the policies that are no trained networks."""
-    from ..envs.policies import POLICIES
+def names_of(module: str, registry: str, *others: str) -> Callable[[], list[str]]:
+    """Returns a function that lists names, which imports their module when it is called.
 
-    return POLICIES
+    Args:
+        module: Module of the registry, below the package.
+        registry: Name of the registry, or of a function that returns the names.
+        *others: What is taken beside the names; one in capitals stands for a file or a folder.
+    """
+
+    def names() -> list[str]:
+        found: Any = getattr(import_module(f"...{module}", __name__), registry)
+        if callable(found):
+            found = found()
+        return [*found, *others]
+
+    return names
+
+
+correctable = names_of("envs.policies", "POLICIES")  # policies that are no trained networks
+networks = names_of("envs.policies.trained", "shipped_policies", "FOLDER")
+bounds = names_of("envs.evaluation", "BOUNDS")
+suits = names_of("assets", "suit_names", "FILE.json")
+gravities = names_of("envs.model.config", "GRAVITY")
+joints = names_of("assets", "JOINTS")
+shipped_tasks = names_of("envs.tasks", "TASKS")
+tasks = names_of("envs.tasks", "TASKS", "FILE.csv")
+uses = names_of("envs.tasks", "TASKS", "FILE.csv", "any")  # what curves may be for
+levels = names_of("envs.levels", "LEVELS")
+scores = names_of("envs.extras", "SCORES")
+drawings = names_of("envs.extras", "DRAWINGS")
 
 
 def policies() -> list[str]:
     """Returns the names of the policies; the folder of a training run is one too."""
-    from ..envs.policies.trained import shipped_policies
-
-    return [*correctable(), *shipped_policies(), "FOLDER"]
+    return [*correctable(), *networks()]
 
 
 def evaluated() -> list[str]:
-    """Returns the names of policies and bounds; the folder of a training run is one too."""
-    from ..envs.evaluation import BOUNDS
-
-    return [*policies(), *BOUNDS]
-
-
-def suits() -> list[str]:
-    """Returns the names of the shipped suits; a suit file is one too."""
-    from ..assets import suit_names
-
-    return [*suit_names(), "FILE.json"]
-
-
-def gravities() -> Iterable[str]:
-    """Returns the names of the places."""
-    from ..envs.model.config import GRAVITY as PLACES
-
-    return PLACES
-
-
-def joints() -> Iterable[str]:
-    """Returns the names of the joints that a suit may resist."""
-    from ..assets import JOINTS
-
-    return JOINTS
-
-
-def shipped_tasks() -> Iterable[str]:
-    """Returns the names of the shipped tasks."""
-    from ..envs.tasks import TASKS
-
-    return TASKS
-
-
-def tasks() -> list[str]:
-    """Returns the names of the shipped tasks; a file of a motion is one too."""
-    return [*shipped_tasks(), "FILE.csv"]
-
-
-def uses() -> list[str]:
-    """Returns what curves may be for: a shipped task, any motion, or a file of a motion."""
-    return [*tasks(), "any"]
-
-
-def levels() -> Iterable[str]:
-    """Returns the names of the levels."""
-    from ..envs.levels import LEVELS
-
-    return LEVELS
-
-
-def scores() -> Iterable[str]:
-    """Returns the names of the scores of extras."""
-    from ..envs.extras import SCORES
-
-    return SCORES
-
-
-def drawings() -> Iterable[str]:
-    """Returns the names of the drawings of extras."""
-    from ..envs.extras import DRAWINGS
-
-    return DRAWINGS
+    """Returns the names of policies and bounds."""
+    return [*policies(), *bounds()]
 
 
 # Parameters of a command that stand for many flags: `**options` is a scene, `**environment` an

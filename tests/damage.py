@@ -303,7 +303,7 @@ LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate ext
     identify whole.csv --base mock-suit; identify whole.csv --method mpso --model preisach;
     identify whole.csv --method auto --trials 3; simulate --out out --suit none --pressure 30;
     list fly; list suits nosuch; view --film new.txt;
-    view --web --snapshot new.png; view --snapshot new.jpg; train --coupling none --out out;
+    view --film n.gif --snapshot n.png; view --snapshot new.jpg; train --coupling none --out out;
     export compensation --onnx --out new.onnx; export adaptive --c --out new.h"""
 
 

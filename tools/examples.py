@@ -26,7 +26,6 @@ CURVES = ROOT / "assets" / "curves" / "elbow.csv"
 ELSEWHERE = {  # how examples begin that are not run here, and why
     "demo": "CI runs it from the wheel",
     "view --task": "it needs a display",
-    "view --web": "it serves until somebody stops it",
 }
 SMALL = (  # command, further words of an example, and options beside its own or instead of them
     ("identify", "auto", ["--samples", "2"]),

@@ -12,7 +12,6 @@ only 91 to 94 % with 20 motions.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -235,47 +234,6 @@ def interquartile_mean_interval(
         return _interquartile(rows[index])
 
     return _bootstrap_t(estimate, rows.shape[0], rows.size, level, resamples, seed)
-
-
-def improvement_interval(one: ArrayLike, other: ArrayLike, *, level: float = 0.95) -> Interval:
-    """Returns the interval of the probability of improvement P(X > Y) + P(X = Y) / 2.
-
-    X is the score of a run of one policy, Y that of a run of the other in the same episode; all
-    pairs of runs count, as in Agarwal et al. (2021). The interval is method 5 of Newcombe (2006),
-    Statistics in Medicine 25, 559-573, with runs as the independent values. It needs no resamples,
-    and it keeps a width where every run of one policy is better; bootstraps do not, and had the
-    truth in only 62 % of repeats with 5 runs each and a truth of 0.92, this one in 95 %. With many
-    episodes that vary on their own it is wider than needed.
-
-    Args:
-        one: Scores of shape (runs,) or (runs, episodes), larger is better.
-        other: Scores of shape (other runs,) or (other runs, episodes), of other trainings.
-        level: How often the interval should hold the truth, 0.5 to 0.99.
-    """
-    within("level", level, *LEVELS)
-    x, y = _rows("one", one), _rows("other", other)
-    if x.shape[1] != y.shape[1]:
-        raise InputError(
-            f"one has {x.shape[1]} episodes and other {y.shape[1]}: give scores of the same ones"
-        )
-    better = sum(np.sign(run - y).sum() for run in x) / (x.shape[0] * y.size)
-    value = float(0.5 + 0.5 * better)
-    pairs, mean = x.shape[0] * y.shape[0], (x.shape[0] + y.shape[0]) / 2
-    z = NormalDist().inv_cdf(0.5 + level / 2)
-    from scipy.optimize import root_scalar  # slow to import
-
-    def lower(found: float) -> float:
-        def beyond(truth: float) -> float:
-            spread = (1 - truth) / (2 - truth) + truth / (1 + truth)
-            variance = truth * (1 - truth) / pairs * (1 + (mean - 1) * spread)
-            return (found - truth) ** 2 - z**2 * variance
-
-        # At 1 itself the equation has a second root, which is not the end.
-        bracket = 0.0, min(found, float(np.nextafter(1, 0)))
-        return float(root_scalar(beyond, bracket=bracket).root) if found > 0 else 0.0
-
-    low, high = lower(value), 1 - lower(1 - value)  # the equation is the same from both ends
-    return Interval(value, low, high)
 
 
 def _bootstrap_t(

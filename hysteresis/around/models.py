@@ -369,7 +369,6 @@ class Backlash(Wrapper):
         return polynomial, limits
 
     def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
-        """Moves a memory on, in place; returns the torque at each angle [N·m], NaN from a pole."""
         play, torques = np.array([self.gap, memory[-1]]), np.empty(angles.size)
         torques[0] = torque
         follow = backlash.follower(self.kernels)
@@ -377,21 +376,8 @@ class Backlash(Wrapper):
         memory[-1] = play[backlash.END]
         return torques
 
-    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
-        """Computes the resistance along a sequence of angles; see `HysteresisModel.response`.
-
-        A motion that begins with a torque begins in contact, one without in the middle of the gap.
-        """
-        angle = finite_series("angle", angle, "rad")
-        memory = self.start(angle[0], initial_torque).memory.copy()
-        torque = self._follow(memory, angle, float(initial_torque))
-        if np.isnan(torque[-1]):
-            last = int(np.flatnonzero(np.isnan(torque))[0])
-            raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
-        return torque
-
     def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
+        """Begins in contact at a resistance [N·m]; without one in the middle of the gap."""
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
         end = backlash.begun(self.gap, float(angle), float(torque))

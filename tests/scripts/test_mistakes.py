@@ -136,7 +136,7 @@ SUITS = {"nope": "unknown suit 'nope'", "emulike": "did you mean 'emu-like'"}
 VIEW = {
     "": "no window can be opened here: use --snapshot FILE.png for a picture, --film FILE.gif",
     "--snapshot arm.jpg": "snapshot is 'arm.jpg': use a name that ends with .png",
-    "--snapshot arm.png --web": "--web and --snapshot are given: use one of them",
+    "--snapshot arm.png --film arm.gif": "--film and --snapshot are given: use one of them",
     "--snapshot arm.png --draw muscles": "draw and snapshot are given",
     "--snapshot arm.png --size 0 960": "size has 0: use even numbers of pixels from 120 to 4096",
     "--snapshot no/arm.png": "cannot write 'no/arm.png'",
@@ -150,10 +150,6 @@ VIEW = {
     "--coupling glue": "unknown coupling 'glue'",
     "--policy magic": "unknown policy 'magic'",
     "--seed -1": "seed is -1: use at least 0",
-    "--web --port 70000": "port is 70000: use 1 to 65535, or 0 for one that is free",
-    "--web --host 192.0.2.77": "nothing can listen on host '192.0.2.77', port 0",
-    "--web --host no-such.invalid": "nothing can listen on host 'no-such.invalid'",
-    "--web --host ''": "host is '': use localhost",
 }
 BENCHMARK = {
     "run x.jsonl": "run takes no results",

@@ -7,14 +7,13 @@ import pytest
 from activesuit.envs.evaluation.statistics import (
     Interval,
     difference_interval,
-    improvement_interval,
     interquartile_mean_interval,
     interval_of,
     mean_interval,
     ratio_interval,
 )
 from helpers import assert_refused
-from scipy.stats import norm, trim_mean
+from scipy.stats import trim_mean
 
 LEVEL, REPEATS, MOTIONS = 0.95, 2000, 20
 RESAMPLES = 200  # ranks are exact at any number; fewer only move the ends more from seed to seed
@@ -64,15 +63,6 @@ def test_coverage_of_interquartile_means_of_runs_that_differ():
     assert kept / repeats == pytest.approx(LEVEL, abs=tolerance(repeats))
 
 
-@pytest.mark.parametrize("shift", [0.0, 2.0])
-def test_coverage_of_improvement(shift):
-    rng, repeats, truth, kept = np.random.default_rng(3), 1000, norm.cdf(shift / np.sqrt(2)), 0
-    for _ in range(repeats):
-        found = improvement_interval(shift + rng.standard_normal(8), rng.standard_normal(8))
-        kept += found.low <= truth <= found.high
-    assert kept / repeats == pytest.approx(LEVEL, abs=tolerance(repeats))
-
-
 def test_seeds_and_levels():
     values = np.random.default_rng(0).gamma(2, 1, MOTIONS)
     one, same, other = (mean_interval(values, seed=seed) for seed in (0, 0, 1))
@@ -104,31 +94,6 @@ def test_interquartile_mean(shape):
     assert found.low < found.value < found.high
 
 
-def test_improvement_by_hand():
-    found = improvement_interval([1, 2, 3, 4, 5], [1, 2, 3, 4, 6])
-    wins, draws = 0 + 1 + 2 + 3 + 4, 4  # 5 beats 1 to 4 and draws with none
-    assert found.value == pytest.approx((wins + draws / 2) / 25)
-    assert 0 < found.low < found.value < found.high < 1
-
-
-def test_improvement_compares_within_an_episode():
-    worse = np.arange(5.0)[:, None] + np.array([0.0, 100.0])  # easy and hard
-    found = improvement_interval(worse + 10, worse)
-    assert found.value == found.high == 1 and found.low < 0.8
-    mirrored = improvement_interval(worse, worse + 10)
-    assert mirrored.high == pytest.approx(1 - found.low)
-
-
-def test_method_5_of_newcombe_solves_its_equation():
-    m, n = 6, 9
-    rng = np.random.default_rng(4)
-    found = improvement_interval(rng.standard_normal(m) + 1, rng.standard_normal(n))
-    for end in (found.low, found.high):
-        middle = (1 - end) / (2 - end) + end / (1 + end)
-        variance = end * (1 - end) / (m * n) * (1 + ((m + n) / 2 - 1) * middle)
-        assert abs(found.value - end) == pytest.approx(norm.ppf(0.975) * np.sqrt(variance))
-
-
 @pytest.mark.parametrize("value", [0.0, 0.1, -3e7])
 def test_equal_values(value):
     for found in (
@@ -137,8 +102,6 @@ def test_equal_values(value):
         ratio_interval(np.full(MOTIONS, value), np.full(MOTIONS, 0.7)),
     ):
         assert found.low == found.value == found.high
-    ties = improvement_interval(np.full(5, value), np.full(5, value))
-    assert ties.value == 0.5 and ties.low < 0.5 < ties.high
 
 
 def test_one_odd_motion_keeps_the_ends_finite():
@@ -175,6 +138,5 @@ def test_what_cannot_be_used():
         (lambda: mean_interval(VALUES, seed=-1), "seed is -1: use at least 0"),
         (lambda: interquartile_mean_interval(np.ones((4, 9))), "at least 5 runs, and scores has 4"),
         (lambda: interquartile_mean_interval("many"), "scores is no table of numbers: give the"),
-        (lambda: improvement_interval(np.ones((5, 2)), np.ones((5, 3))), "2 episodes and other 3"),
     ]
     assert_refused(lambda call: call(), rows)

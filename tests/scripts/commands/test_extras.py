@@ -123,7 +123,7 @@ def test_a_film_draws_what_is_registered(tmp_path, monkeypatch):
         (("evaluate", "--score", "toy", "--fatigue", "true"), "toys do not tire"),
         (("evaluate", "--score", "tow"), "unknown score 'tow': use one of "),
         (("benchmark", "run", "--score", "tow"), "unknown score 'tow'"),
-        (("view", "--web", "--draw", "tow"), "unknown drawing 'tow'"),
+        (("view", "--draw", "tow"), "unknown drawing 'tow'"),
     ],
 )
 def test_bad_input_is_one_sentence(given, sentence, tmp_path, capsys):
@@ -146,7 +146,7 @@ def test_a_package_that_cannot_be_imported_is_named(monkeypatch):
         ("evaluate", "--score"),
         ("view", "--film", "{tmp}/out.gif", "--draw"),
         ("benchmark", "run", "--score"),
-        ("view", "--web", "--draw"),
+        ("view", "--draw"),
     ],
 )
 def test_missing_muscles_are_named_before_anything_runs(command, tmp_path, capsys, monkeypatch):

@@ -1,21 +1,26 @@
-"""`activesuit list suits`: lists the shipped suits, or shows and checks one suit."""
+"""`activesuit list`: suits, tasks and policies; or one of them, a suit with its checks."""
 
 import math
+import os
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from ...assets import Suit, SuitJoint, load_suit, suit_names
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...hysteresis import HysteresisModel, PoleError
 from ...hysteresis.certificate import ALL_ANGLES
 from ...hysteresis.parameter_table import parameter_table
 from ...text import say
 from ..folders import to_json
-from ..options import Json, choice
+from ..options import Json, choice, shipped_tasks
+from ..options import policies as known_policies
 from ..options import suits as known_suits
 from ..output import table
+
+if TYPE_CHECKING:
+    from ...envs.tasks import Task
 
 LOSS_FACTOR = (
     "loss factor: what one steady cycle over the joint's range dissipates, over the work that goes "
@@ -154,3 +159,79 @@ def _problem(entry: SuitJoint) -> str | None:
 def _is_safe(model: HysteresisModel, span: tuple[float, float] = ALL_ANGLES) -> bool:
     certificate = model.certificate(span)
     return certificate.certified and certificate.dissipative
+
+
+def tasks(
+    name: Annotated[str | None, choice(shipped_tasks, usual="all"), tyro.conf.Positional] = None,
+    /,
+    json: Json = False,
+) -> None:
+    """List the tasks, or say what one is.
+
+    Args:
+        name: Name of a task.
+    """
+    from ...envs.making import OURS
+    from ...envs.tasks import TASKS  # MuJoCo takes a second to import
+
+    if name not in (None, *TASKS):
+        raise unknown_name("task", name, TASKS)
+    chosen = {one: task for one, task in TASKS.items() if name in (None, one)}
+    if json:
+        print(to_json({one: _task(f"{OURS}{one}-v0", task) for one, task in chosen.items()}))
+        return
+    rows = [
+        [f"{OURS}{one}-v0", f"{task.duration:g} s", task.place, task.about]
+        for one, task in chosen.items()
+    ]
+    table("tasks", ["id", "duration", "place", "motion and load"], rows)
+    for one, task in chosen.items():
+        say(f"{one} succeeds with {task.rule}. Source: {task.source}.")
+
+
+def _task(id: str, task: "Task") -> dict[str, Any]:
+    said = {one: getattr(task, one) for one in ("place", "about", "source", "rule")}
+    return {**asdict(task), "id": id, **said}
+
+
+def policies(
+    name: Annotated[str | None, choice(known_policies, usual="all"), tyro.conf.Positional] = None,
+    /,
+    json: Json = False,
+) -> None:
+    """List the policies, with the sensors that they need and their options.
+
+    Args:
+        name: Name of a policy, or folder of a training run.
+    """
+    from ...envs.evaluation import BOUNDS
+    from ...envs.policies import POLICIES
+    from ...envs.policies.trained import shipped_policies
+
+    found = {one: _policy(one) for one in (*POLICIES, *shipped_policies())}
+    if name is not None and name not in found:
+        if not os.path.isdir(name):
+            raise unknown_name("policy", name, known_policies())
+        found[name] = _policy(name)
+    found = {one: about for one, about in found.items() if name in (None, one)}
+    if json:
+        print(to_json(found))
+        return
+    rows = [
+        [one, about["does"], ", ".join(about["sensors"]), ", ".join(about["options"])]
+        for one, about in found.items()
+    ]
+    table("policies", ["name", "does", "sensors", "options"], rows)
+    say(
+        "Options follow a colon, as in adaptive:suit=emu-like,forgetting=10; every policy takes "
+        "guard=true."
+    )
+    say(f"evaluate also takes the bounds {' and '.join(BOUNDS)}, which know the whole motion.")
+
+
+def _policy(name: str) -> dict[str, Any]:
+    from ...envs.policies.registry import PolicyKind
+
+    kind = PolicyKind.of(name)
+    sensors = list(kind.needs["sensors"])
+    return {"does": kind.about, "sensors": sensors, "options": list(kind.options)}
