@@ -13,44 +13,42 @@ MOTION = ".csv"  # how the names of files of motions end
 MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
-def told_joint(path: Path, joint: str | None) -> str | None:
-    """Returns `joint`, or the joint that the name of a curve file tells; None if it tells none."""
-    if joint is not None and joint not in JOINTS:
-        raise unknown_name("joint", joint, JOINTS)
-    return next((one for one in (joint, path.stem, f"{path.stem}_flexion") if one in JOINTS), None)
-
-
-def joint_of(path: Path, joint: str | None) -> str:
-    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
-    found = told_joint(path, joint)
-    if found is None:
-        raise untold(path)
-    return found
-
-
-def untold(path: Path) -> InputError:
-    """Returns the error for a curve file whose joint nothing tells."""
-    return InputError(
-        f"cannot tell which joint {path.name!r} was measured on: give --joint with one of "
-        f"{', '.join(JOINTS)}"
-    )
-
-
-def intended_motions(path: Path, use: str | None, joint: str | None) -> list[Motion]:
-    """Returns the motions of a use; none where there is no use, or any motion is one.
+def joint_of(path: Path, joint: str | None, *, needed: bool = True) -> str | None:
+    """Returns `joint`, or the joint that the name of a curve file says; None where none is needed.
 
     Args:
         path: Path of the file of curves.
+        joint: Name of the joint, if it is given.
+        needed: Whether a file whose joint is unknown is refused.
+    """
+    if joint is not None and joint not in JOINTS:
+        raise unknown_name("joint", joint, JOINTS)
+    for name in (joint, path.stem, f"{path.stem}_flexion"):
+        if name in JOINTS:
+            return name
+    if needed:
+        raise InputError(
+            f"cannot tell which joint {path.name!r} was measured on: give --joint with one of "
+            f"{', '.join(JOINTS)}"
+        )
+    return None
+
+
+def is_task(use: str | None) -> bool:
+    """Returns whether a use is the name of a task, whose motions are those of several joints."""
+    return use not in (None, ANY) and not use.lower().endswith(MOTION)
+
+
+def intended_motions(use: str | None, joint: str | None) -> list[Motion]:
+    """Returns the motions of a use; none where there is no use, or any motion is one.
+
+    Args:
         use: Name of a task, path of a CSV file of a motion, or "any"; None for no use.
-        joint: Name of the joint; None if nothing tells it.
+        joint: Name of the joint, which a task needs.
     """
     if use is None or use == ANY:
         return []
-    if use.lower().endswith(MOTION):
-        return [load_motion(use, joint)]
-    if joint is None:
-        raise untold(path)
-    return _task_motions(use, joint)
+    return _task_motions(use, str(joint)) if is_task(use) else [load_motion(use, joint)]
 
 
 def _task_motions(name: str, joint: str) -> list[Motion]:

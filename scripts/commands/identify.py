@@ -18,7 +18,7 @@ from ...identification.judging.verdict import NOT
 from ...identification.methods import Magnetic, method_names
 from ...text import say
 from ..folders import RunFolder
-from ..measured_joint import intended_motions, told_joint, untold
+from ..measured_joint import intended_motions, is_task, joint_of
 from ..options import Force, Json, Seed, Use, choice, joints, named_values, optional_number, suits
 from ..output import progress
 from ..writer import Report, conclude
@@ -114,27 +114,14 @@ def identify(
     )
     for sentence in [] if json else family.reading:
         say(f"read {sentence}")
-    if base is not None and not out:
-        raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
-    if out and method == Magnetic.name:
-        raise InputError(
-            f"out is {shown(str(out))}: a suit file has joints, which a model of magnetics drives; "
-            "leave it out, and take the result from --json"
-        )
-    told = told_joint(curves[0], joint)
-    if out and told is None:
-        raise untold(curves[0])
-    joint = told if out or joint is not None else None
-    intended = intended_motions(curves[0], use, told)
+    _check_suit_file(out, base, method)
+    known = joint_of(curves[0], joint, needed=bool(out) or is_task(use))
+    intended = intended_motions(use, known)
+    joint = known if out or joint else None
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, force=force) if out else None
-    given: dict[str, Any] = {
-        "model": model,
-        "method": method,
-        "objective": objective,
-        "normalize": normalize,
-    }
-    given |= {"trials": trials, "initial_torque": initial_torque, "seed": seed}
+    given: dict[str, Any] = {"model": model, "method": method, "trials": trials, "seed": seed}
+    given |= {"objective": objective, "normalize": normalize, "initial_torque": initial_torque}
     given["samples"] = (SAMPLES if out else 0) if samples is None else samples
     with progress(f"identify {family.source}") as bar:
         found = identify_curves(
@@ -149,7 +136,7 @@ def identify(
     label = joint or Path(family.source).stem
     answer = found.sentences()
     if folder and joint:
-        suit = found_suit(found, joint, curves[0].stem, others)
+        suit = _found_suit(found, joint, curves[0].stem, others)
         suit.save(folder / "suit.json")
         if others is None:
             name = joint.replace("_", " ")
@@ -174,7 +161,18 @@ def identify(
         raise SystemExit(NOT_DESCRIBED)
 
 
-def found_suit(found: Identification, joint: str, name: str, others: Suit | None) -> Suit:
+def _check_suit_file(out: Path | None, base: str | None, method: str | None) -> None:
+    """Refuses a suit file of what is no joint, and the joints of another suit without a file."""
+    if base is not None and not out:
+        raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
+    if out and method == Magnetic.name:
+        raise InputError(
+            f"out is {shown(str(out))}: a suit file has joints, which a model of magnetics drives; "
+            "leave it out, and take the result from --json"
+        )
+
+
+def _found_suit(found: Identification, joint: str, name: str, others: Suit | None) -> Suit:
     """Returns the suit of an identified joint, beside the other joints of another suit."""
     samples = found.uncertainty.samples if found.uncertainty else ()
     return Suit.from_fits(

@@ -106,7 +106,7 @@ def _predicted(
     found: dict[str, dict[str, list[CurveError]]] = {}
     notes = []
     for path in files:
-        name, curves = joint_of(path, joint), load_curves(path)
+        name, curves = str(joint_of(path, joint)), load_curves(path)
         measured = curves.held_out() or curves
         series = {curve.name: (curve.angle, curve.torque) for curve in measured}
         for suit in suits:
