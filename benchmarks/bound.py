@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 from ..arrays import Array
 from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import FIRST_SEED, REFERENCES
-from ..envs.evaluation.bounds import clairvoyant
+from ..envs.evaluation.best_known_plan import clairvoyant
 from ..envs.evaluation.core import run
 from ..envs.evaluation.scores import score
 from ..envs.evaluation.statistics import relief

@@ -37,7 +37,7 @@ from .reward import (
 )
 from .setup import Setup
 from .simulation import Simulation
-from .simulation.bound import bound
+from .simulation.bound_kernels import bound
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, TIME, snapshot
 from .simulation.plan import Plan

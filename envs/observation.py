@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..assets import JOINTS
 from ..errors import InputError, shown, unknown_name
-from .simulation.bound import bound, thawed
+from .simulation.bound_kernels import bound, thawed
 from .simulation.measurements import WIDTH
 
 

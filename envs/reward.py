@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
 from .model.cuffs import FORCE_LIMITS
 from .person import strength_limits
-from .simulation.bound import Frozen, thawed
+from .simulation.bound_kernels import Frozen, thawed
 from .simulation.inverse_dynamics import Chain, arm_torques
 from .simulation.kinematics import Arm
 from .simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET

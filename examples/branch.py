@@ -31,7 +31,7 @@ import tyro
 from activesuit.arrays import Array
 from activesuit.assets import JOINTS
 from activesuit.envs.evaluation import FIRST_SEED, Interval
-from activesuit.envs.evaluation.bounds import clairvoyant
+from activesuit.envs.evaluation.best_known_plan import clairvoyant
 from activesuit.envs.evaluation.statistics import mean_interval
 from activesuit.envs.evaluation.wearers import Wearers
 from activesuit.envs.model import ASSISTED

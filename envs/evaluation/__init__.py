@@ -1,6 +1,6 @@
 """Closed-loop evaluation of policies: motions, adapted wearers, references, bounds and scores."""
 
-from .bounds import BOUNDS
+from .best_known_plan import BOUNDS
 from .compare import Evaluation, evaluate
 from .core import FIRST_SEED
 from .rollout import Trace, rollout

@@ -17,7 +17,7 @@ from ..making import make_arms
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
 from . import extra_scores
-from .bounds import BOUNDS
+from .best_known_plan import BOUNDS
 from .core import FIRST_SEED, Make, Run, Runnable, run
 from .rollout import Trace
 from .scores import REFERENCES, UNADAPTED, Score, root_mean_square, score

@@ -15,7 +15,7 @@ from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
 from ..policies.own import own_policy
 from ..randomization import Randomization
-from .bounds import BOUNDS, clairvoyant
+from .best_known_plan import BOUNDS, clairvoyant
 from .rollout import Trace
 from .scores import REFERENCES, Score, score
 from .wearers import Wearers

@@ -9,7 +9,7 @@ from ...arrays import Array
 from ..model.exoskeleton import clipped as within_heat
 from ..model.exoskeleton import heated
 from ..person.fatigue import RATES, loaded, tired
-from .bound import Frozen, thawed
+from .bound_kernels import Frozen, thawed
 from .measurements import CONTINUOUS, EFFORT, PEAK, TIME, TIME_CONSTANT, is_finite, measure
 from .structs import (
     Addresses,

@@ -5,7 +5,7 @@ from numba import njit
 
 from ...arrays import AnyArray
 from ...kernels import inner
-from .bound import Frozen, thawed
+from .bound_kernels import Frozen, thawed
 from .structs import Addresses, Equilibrium, Intention, Muscles, Physics, Wearer, Whole
 from .wearer_control import BASE, RELAXATION, SLOPE, contraction, feed_forward
 from .wearer_control import DAMPING as FIXED

@@ -9,7 +9,7 @@ from numba import njit
 
 from ...arrays import AnyArray, Array
 from ..provenance import Quantity, check_settings, quantities_of, setting
-from .bound import Frozen, thawed
+from .bound_kernels import Frozen, thawed
 from .inverse_dynamics import arm_torque
 from .structs import (
     Addresses,

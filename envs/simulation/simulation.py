@@ -20,7 +20,7 @@ from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
 from ..person import VoluntaryControl
 from . import compiling, equilibrium
-from .bound import bound
+from .bound_kernels import bound
 from .cycle import after, before
 from .faults import FaultInjector, Faults, reception_of
 from .inverse_dynamics import Chain, arm_torques

@@ -8,7 +8,7 @@ import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.evaluation.bounds import rationed
+from activesuit.envs.evaluation.best_known_plan import rationed
 from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.model import Exo
