@@ -22,7 +22,7 @@ from .folders import RunFolder, to_json
 from .output import table
 
 PACKAGES = ("mujoco", "numpy", "scipy", "numba", "gymnasium")
-PAGE = "report.html"
+PAGE, RESULT = "report.html", "result.json"
 DATA = (".json", ".jsonl", ".csv", ".safetensors")
 MOST_ROWS = 500  # of a table of a page
 DPI = 140
@@ -91,7 +91,7 @@ def conclude(report: Report, folder: RunFolder | None, json: bool = False) -> No
 
 def write(report: Report, folder: RunFolder) -> None:
     """Writes result.json, CSV files, figures as PNG and SVG, and the page."""
-    folder.json("result.json", report.result)
+    folder.json(RESULT, report.result)
     for name, (header, rows) in report.columns.items():
         folder.csv(name, header, rows)
     for name, plot in report.plots.items():

@@ -125,29 +125,17 @@ def _part(cost: str, measured: Array, costs: Array, at: int) -> str | None:
     return None
 
 
-@dataclass(frozen=True)
-class Frequent:
-    """A limit that some motions exceeded.
+@dataclass(frozen=True, kw_only=True)
+class Frequent(Reason):
+    """A limit that some motions exceeded, with the medians of their numbers.
+
+    The part is the most frequent one; the oscillation is there if more than half oscillate.
 
     Attributes:
-        name: Name of the cost.
         motions: Number of motions that exceeded it.
-        value: Median cost of these.
-        limit: Greatest cost with which they would have succeeded.
-        unit: Unit of both, "1" for a ratio.
-        time_s: Median of the times at which they exceeded it first [s].
-        part: Joint, motor or cuff that did so most often; None where the whole hand did.
-        oscillation: Medians of period and amplitude, where more than half of these oscillate.
     """
 
-    name: str
     motions: int
-    value: float
-    limit: float
-    unit: str
-    time_s: float
-    part: str | None
-    oscillation: Oscillation | None = None
 
 
 def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
@@ -171,7 +159,7 @@ def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
             pairs = [(one.period_s, one.amplitude) for one in swings]
             swing = Oscillation(*map(float, np.median(pairs, axis=0)))
         common = (same[0].limit, same[0].unit, time, max(parts, key=parts.count), swing)
-        found.append(Frequent(name, len(same), value, *common))
+        found.append(Frequent(name, value, *common, motions=len(same)))
     return tuple(sorted(found, key=lambda one: -one.motions))
 
 

@@ -7,7 +7,7 @@ from ...envs.policies.network import Card
 from ...plots import Band, Line, Mark, Panel, Plot
 from ..writer import Report, write
 from .evaluations import Evaluations, relief_text, value
-from .run import Run
+from .run import Run, asked
 
 Results = Sequence[Mapping[str, Any]]
 LEVELS = {"suit alone": 0.0, "no suit": 1.0}  # what a relief means
@@ -39,7 +39,10 @@ def write_report_of(run: Run, done: int, evaluations: Evaluations, name: str) ->
     report = Report(
         heading="Trained policy",
         about=f"{card.training['algo']} on {card.environment['env']}, {done} steps",
-        result={"steps": done, "evaluations": results, "beside": evaluations.beside},
+        result={
+            **{"steps": done, "asked": asked(card.training)},
+            **{"evaluations": results, "beside": evaluations.beside},
+        },
         tables={"Evaluations during the training": (header, rows)} if results else {},
         answer=[*_answer(card, done, results)],
         plots=curve if evaluations.wanted else {},

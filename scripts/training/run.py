@@ -12,10 +12,11 @@ from ...assets import load_suit, suit_names
 from ...envs.policies.network import CARD, WEIGHTS, Card, card_file, read_card
 from ...envs.policies.trained import OWN_SUIT
 from ...errors import InputError
+from ...json_files import read_json
 from ..folders import RunFolder
 from ..output import messages
 from ..own_files import is_own, note, notes_folder
-from ..writer import PAGE
+from ..writer import PAGE, RESULT
 
 CHECKPOINT = "model.zip"
 RENEWED = ("steps", "patience")  # what may be new in a resume
@@ -79,13 +80,12 @@ class Run:
         """Writes the card, and a copy of the suit file if there is one; returns the run with both.
 
         In a resume the card of the policy that was kept gets what is new, which holds from now on.
-        The report is removed, as it is the last file of a training that has ended.
 
         Args:
             *others: Names of more files that a new training is without.
         """
         folder, card, new = self.folder, self.card, self.checkpoint is None
-        for name in (PAGE, CHECKPOINT, WEIGHTS, *others) if new else (PAGE,):
+        for name in (RESULT, PAGE, CHECKPOINT, WEIGHTS, *others) if new else ():
             folder.remove(name)
         suit = card.environment["suit"]
         if suit != "none" and suit not in suit_names():
@@ -141,6 +141,16 @@ def _tell_unnoted() -> None:
     messages.print(f"note: {notes_folder()} cannot be written, so that --resume will need --trust")
 
 
+def asked(training: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what a training is asked for that may be new in a resume."""
+    return {name: training.get(name) for name in RENEWED}
+
+
 def finished(folder: Path) -> bool:
-    """Returns whether the training in a folder is at its end: the report is its last file."""
-    return (folder / CHECKPOINT).is_file() and (folder / PAGE).is_file()
+    """Returns whether the training in a folder is at its end, with a page of its result."""
+    result, page = folder / RESULT, folder / PAGE
+    if not ((folder / CHECKPOINT).is_file() and result.is_file() and page.is_file()):
+        return False
+    found = read_json(result, "result of a training")
+    same = isinstance(found, dict) and found.get("asked") == asked(read_card(folder).training)
+    return same and page.stat().st_mtime_ns >= result.stat().st_mtime_ns
