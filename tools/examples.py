@@ -34,6 +34,7 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--motions", "8"]),
     ("train", "", ["--steps", "8192"]),
     ("train", "--resume", ["--steps", "16384"]),
+    ("train", "--seeds", ["--seeds", "0,1"]),
     ("view", "--film", ["--max-episode-steps", "100", "--size", "320", "240"]),
 )
 SECONDS = 600  # longest time of an example
