@@ -33,7 +33,7 @@ FIXED = {
     **{name: (GRAY, "dot") for name in ("unsuited", "samples", "measured")},
     "suited": (GRAY, "dash"),
     "intended": ("#b9bdc4", "solid"),
-    "best-known-plan": ("#0f9d73", "dash"),
+    "best-known-plan": ("#8a8d1f", "dash"),  # a color that PALETTE lacks
 }
 DASHES = {"solid": "-", "dash": "--", "dot": ":"}
 GOOD_TO_BAD = [[0, "#1a9850"], [0.5, "#fee08b"], [1, "#d73027"]]

@@ -95,7 +95,7 @@ def _nothing() -> None:
     pass
 
 
-_read_index = IndexDataCacheFile._load_index
+_read_index: Any = getattr(IndexDataCacheFile, "_load_index", None)  # not public
 
 
 def _index_of_today(self: Any) -> dict[Any, str]:
@@ -110,7 +110,8 @@ def _index_of_today(self: Any) -> dict[Any, str]:
         return {}
 
 
-IndexDataCacheFile._load_index = _index_of_today
+if _read_index:
+    IndexDataCacheFile._load_index = _index_of_today
 check_cache()
 listener = FirstUse()
 event.register("numba:compile", listener)

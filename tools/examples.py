@@ -24,7 +24,7 @@ ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "commands.md"
 CURVES = ROOT / "assets" / "curves" / "elbow.csv"
 ELSEWHERE = {  # how examples begin that are not run here, and why
-    "demo": "CI runs it from the wheel",
+    "demo": "make demo-check runs it from the wheel",
     "view --task": "it needs a display",
 }
 SMALL = (  # command, further words of an example, and options beside its own or instead of them

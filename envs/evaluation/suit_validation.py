@@ -207,7 +207,7 @@ def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[
         raise InputError(f"{of} has no suit: name one that the controller believes")
     if not isinstance(given, Mapping):
         once(of, given)
-        given = {name: name for name in given}
+        given = dict(zip(given, given, strict=True))
     for one in given.values():
         load_suit(one)
     return {**given}
@@ -222,7 +222,7 @@ def _itself(believed: Mapping[str, AnySuit]) -> Mapping[str, AnySuit]:
     if not any(joints[one].samples for one in ASSISTED if one in joints):
         raise InputError(
             f"the suit {name!r} has no samples of what its curves allow: identify it again with "
-            "--samples 20, or name the simulated suit by --plant"
+            "samples (--samples 20), or name the simulated suit (--plant)"
         )
     return believed
 

@@ -121,8 +121,8 @@ def _open_window(motion: Iterator[Any]) -> None:
         next(motion)
     except RenderingUnavailableError as error:
         raise InputError(
-            "no window can be opened here: use --snapshot FILE.png for a picture, --film FILE.gif "
-            "for a film"
+            "no window can be opened here: use --snapshot FILE.png for a picture, or --film "
+            "FILE.gif for a film"
         ) from error
     with suppress(RenderingUnavailableError):  # when the window is closed
         for _ in motion:

@@ -39,7 +39,7 @@ def learn(run: Run) -> int:
         else:
             learner = resumed_learner(algo, arms, run.checkpoint, folder / CHECKPOINT)
         arms.seed(training_seeds(seed, rows))  # the learner has set its own
-        going_on, done = finished(folder.path), learner.num_timesteps
+        going_on, done = bool(run.checkpoint) and finished(folder.path), learner.num_timesteps
         run = run.begun(EVALUATIONS)
         evaluations = Evaluations(run, done)
         total = run.rounded(update_length(learner), "updates", done)

@@ -149,8 +149,10 @@ def asked(training: Mapping[str, Any]) -> dict[str, Any]:
 def finished(folder: Path) -> bool:
     """Returns whether the training in a folder is at its end, with a page of its result."""
     result, page = folder / RESULT, folder / PAGE
-    if not ((folder / CHECKPOINT).is_file() and result.is_file() and page.is_file()):
+    try:
+        found: Any = read_json(result, "result of a training")
+        whole = page.stat().st_mtime_ns >= result.stat().st_mtime_ns
+    except (InputError, OSError):  # one is missing or damaged, and is written again
         return False
-    found = read_json(result, "result of a training")
-    same = isinstance(found, dict) and found.get("asked") == asked(read_card(folder).training)
-    return same and page.stat().st_mtime_ns >= result.stat().st_mtime_ns
+    whole = whole and isinstance(found, dict) and (folder / CHECKPOINT).is_file()
+    return whole and found.get("asked") == asked(read_card(folder).training)

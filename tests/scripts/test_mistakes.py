@@ -134,7 +134,7 @@ DESIGN = {
 }
 SUITS = {"nope": "unknown suit 'nope'", "emulike": "did you mean 'emu-like'"}
 VIEW = {
-    "": "no window can be opened here: use --snapshot FILE.png for a picture, --film FILE.gif",
+    "": "no window can be opened here: use --snapshot FILE.png for a picture, or --film FILE.gif",
     "--snapshot arm.jpg": "snapshot is 'arm.jpg': use a name that ends with .png",
     "--snapshot arm.png --film arm.gif": "--film and --snapshot are given: use one of them",
     "--snapshot arm.png --draw muscles": "draw and snapshot are given",

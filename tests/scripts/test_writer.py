@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from activesuit.plots import Band, Cells, Intervals, Line, Panel, Plot
+from activesuit.plots import FIXED, PALETTE, Band, Cells, Intervals, Line, Panel, Plot
 from activesuit.scripts.folders import RunFolder, close_folders
 from activesuit.scripts.writer import Report, conclude
 
@@ -27,6 +27,10 @@ ANGLE = np.linspace(0, 1, 5000)
 def closed():
     yield
     close_folders()
+
+
+def test_references_have_colors_that_no_policy_has():
+    assert not {color for color, _ in FIXED.values()} & {*PALETTE}
 
 
 def report(name="model", **changes):

@@ -189,6 +189,8 @@ def test_force_forgets_the_evaluations_before(tmp_path, monkeypatch, capsys):
     """Their references are of another scene, and a training that has not begun has no end."""
     given = ["--motions", "8"]
     train(tmp_path / "run", *WEIGHTLESS, *given)
+    (tmp_path / "run" / "policy.json").write_text("{")  # which a new training does not read
+    train(tmp_path / "run", *WEIGHTLESS, *given, "--force")
     for part, left in (("new_learner", True), ("update_length", False)):
         with monkeypatch.context() as patch:
             patch.setattr(learn_module, part, interrupt)
