@@ -158,12 +158,5 @@ def muscle_strength() -> str:
     return markdown_table([*header, "source of ours, where apart"], rows)
 
 
-MUSCLE_TABLES: dict[str, Callable[[], str]] = {
-    "map": muscle_map,
-    "agreement": muscle_agreement,
-    "power": muscle_power,
-    "conventions": muscle_conventions,
-    "bare": muscle_bare,
-    "pushes": muscle_pushes,
-}
+MUSCLE_TABLES: dict[str, Callable[[], str]] = {"bare": muscle_bare}
 """The tables of muscles.md by mark."""

@@ -80,14 +80,10 @@ def door() -> str:
     )
     earth, space = scores("earth"), scores(WEIGHTLESS)
     bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in REFERENCES)
-    policies = ("compensation", "best-known-plan")
-    given = [signed(space[name]["relief"]["value"]) for name in policies]
     return (
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
         f"and from {bare[1]} to {suited[1]} in microgravity.\n"
-        f"Compensation gives back {given[0]} of that in "
-        f"microgravity, the best known plan {given[1]}. "
-        "Motors that are off add weight and gear\nfriction, "
+        "Motors that are off add weight and gear friction, "
         "and on Earth cancelling the suit alone does not make up for that weight."
     )
 
@@ -547,26 +543,6 @@ def warp_worlds() -> str:
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
     "reproduction.md": {"fits": demo_fits},
-    "controllers.md": {
-        "laws": laws,
-        "validation": validation,
-        "demo": demo_results,
-        "four settings": four_settings,
-    },
     "results.md": {"findings": findings, "settings": all_settings},
-    "benchmark.md": {"better": better, "cuffs": cuffs, "bound": bound},
-    "model.md": {"sensitivity": sensitivity},
-    "tasks.md": {"difficulty": difficulty, "hindered": hindered},
-    "training.md": {
-        **{"learning": lambda: learning(*BY_PPO), "others": lambda: learning(*OTHERS)},
-        **{"drawn": lambda: learning("learning-drawn")},
-        **{"tuned": lambda: tuned("ppo"), "tuned sac": lambda: tuned("sac")},
-        **{"tuned recurrent": lambda: tuned("recurrent-ppo")},
-        **{"weightless": weightless, "shipped": shipped},
-        **{"speed of training": lambda: speed("train"), "time of training": training},
-    },
-    "environments.md": {"speed": lambda: speed("env")},
-    "device.md": {"models": device_models},
-    "gpu.md": {"warp": warp_worlds},
 }
 """The tables by page and mark."""
