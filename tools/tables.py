@@ -21,7 +21,6 @@ from ..files import write_text
 from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
 from ..tables import markdown_table
 from .changes import CHANGES
-from .muscle_results import MUSCLE_TABLES
 from .results import RESULT_TABLES
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -142,7 +141,6 @@ def _number(value: float) -> str:
 TABLES: dict[str, dict[str, Callable[[], str]]] = {
     **RESULT_TABLES,
     "model.md": {"gains": gains},
-    "muscles.md": MUSCLE_TABLES,
     "changes_of_numbers.md": CHANGES,
     "training.md": {"algorithms": algorithms},
     "environments.md": {"tasks": tasks, "sensor suites": sensor_suites, "levels": levels},
