@@ -34,8 +34,8 @@ and lets the arm drift. It carries no weight but the exoskeleton's, so it is a l
 weightlessness.
 
 **How to use them.** In a clone of the source repository each is a policy by the name of its class,
-with options behind another colon. [Your own controllers](../own_controllers.md) says how to write
-one.
+with options behind another colon. [Controllers](../controllers.md#a-controller-of-your-own) says
+how to write one.
 
 ```bash
 activesuit evaluate --policies compensation examples.controllers.proportional:ProportionalAssist

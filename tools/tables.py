@@ -14,13 +14,13 @@ from ..envs.observation import BELIEF, SUITES
 from ..envs.person import control
 from ..envs.provenance import Quantity
 from ..envs.simulation.measurements import COLUMNS
-from ..envs.tasks import TASKS
+from ..envs.tasks import TASKS, Task
+from ..envs.tasks.task import FARTHEST
 from ..errors import InputError
 from ..files import write_text
 from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
 from ..tables import markdown_table
 from .changes import CHANGES
-from .muscle_results import MUSCLE_TABLES, muscle_strength
 from .results import RESULT_TABLES
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -75,20 +75,34 @@ def gains() -> str:
         for joint in JOINTS:
             name = name.removesuffix(f".{joint}")
         groups.setdefault(name, []).append(quantity)
-    header = ["gain", "value", "unit", "source", "grade"]
+    header = ["gain", "value", "unit", "grade"]
     rows = [[_GAINS[name], *_gain(group)] for name, group in groups.items()]
     return markdown_table(header, rows)
 
 
 def tasks() -> str:
     """Returns the table of the tasks."""
-    header = ["id", "motion and load", "lasts", "place", "succeeds with", "source"]
+    header = ["task", "motion and load", "lasts", "place", "limits"]
     rows = []
     for name, task in TASKS.items():
-        motion, place = task.about, task.place
-        cells = [f"`ActiveSuit/{name}-v0`", motion, f"{task.duration:g} s", place]
-        rows.append([*cells, task.rule, task.source])
+        limits = [*_limits(task)]
+        rows.append(
+            [f"`{name}`", task.about, f"{task.duration:g} s", task.place, ", ".join(limits)]
+        )
     return markdown_table(header, rows)
+
+
+def _limits(task: Task) -> Iterator[str]:
+    """Yields the limits of joints and effort, then those of the hand."""
+    yield f"{1e3 * task.tracking:.0f} mrad"
+    yield f"{100 * task.effort:.0f} %"
+    for value, text in (
+        (task.hand_error, f"{100 * task.hand_error:.0f} cm"),
+        (task.tilt, f"tilt {task.tilt:g} rad"),
+        (task.slowness, f"{100 * task.slowness:.0f} % too slow"),
+    ):
+        if value < FARTHEST:
+            yield text
 
 
 def levels() -> str:
@@ -117,7 +131,6 @@ def _gain(group: Sequence[Quantity]) -> Iterator[str]:
     values = [f"{quantity.value:g}" for quantity in group]
     yield ", ".join(values if len(set(values)) > 1 else values[:1])
     yield group[0].unit
-    yield "; ".join(dict.fromkeys(quantity.source for quantity in group))
     yield ", ".join(dict.fromkeys(quantity.grade for quantity in group))
 
 
@@ -127,12 +140,10 @@ def _number(value: float) -> str:
 
 TABLES: dict[str, dict[str, Callable[[], str]]] = {
     **RESULT_TABLES,
-    "model.md": {"gains": gains, **RESULT_TABLES["model.md"], "strengths": muscle_strength},
-    "muscles.md": MUSCLE_TABLES,
+    "model.md": {"gains": gains},
     "changes_of_numbers.md": CHANGES,
-    "training.md": {"algorithms": algorithms, **RESULT_TABLES["training.md"]},
-    "tasks.md": {"tasks": tasks, "levels": levels, **RESULT_TABLES["tasks.md"]},
-    "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},
+    "training.md": {"algorithms": algorithms},
+    "environments.md": {"tasks": tasks, "sensor suites": sensor_suites, "levels": levels},
 }
 """The tables by page and mark."""
 

@@ -159,4 +159,4 @@ for name, score in found.scores.items():
 # measurement: **[2. Identify your own curves](2_identify.md)**.
 #
 # Other things to try here: `suit="mock-suit"`, `gravity="moon"`, or another of the
-# [tasks](../tasks.md). [Environments](../environments.md) has all options.
+# [tasks](../environments.md#tasks). [Environments](../environments.md) has all options.

@@ -133,6 +133,6 @@ print("a saved policy needs no torch; its action has the shape", np.shape(action
 #
 # - [Train a controller](../training.md): other algorithms, sensors, teachers, rewards,
 #   hyperparameters, and export to other machines as ONNX.
-# - [Tasks](../tasks.md): from reaching to hammering, or a task of your own.
+# - [Tasks](../environments.md#tasks): from reaching to hammering, or a task of your own.
 # - [Benchmark](../benchmark.md): your controller beside all others, and how to share the result.
 # - [Hysteresis on your own robot](../robot.md): the models of tutorial 2 in any MuJoCo model.

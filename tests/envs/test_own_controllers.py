@@ -1,4 +1,4 @@
-"""The controllers of docs/own_controllers.md, beside the shipped ones and as commands."""
+"""The controllers of docs/controllers.md, beside the shipped ones and as commands."""
 
 import re
 from pathlib import Path
@@ -9,9 +9,9 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy
 from helpers import fails, run, shorten_tasks
 
-PAGE = Path(__file__).parents[2] / "docs" / "own_controllers.md"
+PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
-CLASSES = "\n".join(block for block in BLOCKS if "\nclass " in block)
+(CLASSES,) = (block for block in BLOCKS if "(TorquePolicy)" in block)
 SENSORS = ["encoders", "preview", "interaction"]
 
 
