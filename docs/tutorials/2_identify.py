@@ -122,4 +122,4 @@ print(f"error of the model:  {np.sqrt(np.mean(error**2)):.3f} N·m")
 # with motors and a person in it? **[3. Validate in closed loop](3_validate.md)**.
 #
 # [Identification](../identification.md) has everything about models, noise and intervals, and
-# [Measuring rig](../rig.md) says how to measure.
+# [Measuring rig](../identification.md#a-simulated-measuring-rig) says how to measure.
