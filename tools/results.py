@@ -99,20 +99,6 @@ def demo_results() -> str:
     return _effects({**names, **policies})
 
 
-def demo_fits() -> str:
-    """Returns the table of the fits of the demo."""
-    header = ["joint", "method", "fitness, eq. (7)", "NRMSE", "certificate margin"]
-    header += ["model runs", "largest held-out errors [N·m]"]
-    rows = []
-    for joint, methods in kept("demo")["fits"].items():
-        for method, fit in methods.items():
-            errors = ", ".join(f"{error:.2f}" for error in fit["prediction_max_error"].values())
-            quality = [f"{fit['fitness']:.2e}", percent(fit["nrmse"], 2)]
-            margin = f"{fit['certificate']['margin']:.3f}"
-            rows.append([joint, f"`{method}`", *quality, margin, f"{fit['evaluations']:,}", errors])
-    return markdown_table(header, rows)
-
-
 # Sixteen settings.
 
 
@@ -546,7 +532,6 @@ def warp_worlds() -> str:
 
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
-    "reproduction.md": {"fits": demo_fits},
     "controllers.md": {
         "laws": laws,
         "validation": validation,
