@@ -41,6 +41,7 @@ print("friction of the gears, from the data sheet:", friction, "N·m")
 # An observation is one arm, of shape `(size,)`, or many arms at once, of shape `(arms, size)`. The
 # dots in `observation[..., part]` make the class work for both.
 
+
 # %%
 class CancelFriction:
     """Cancels a share of the gears' friction."""
@@ -74,6 +75,7 @@ print("action after one second:", np.round(policy.act(observation), 3))
 # cancels the suit. It is a `TorquePolicy`, whose method `torque` returns N·m for many arms at once,
 # from the parts of the observation by name:
 
+
 # %%
 class SuitAndFriction(HysteresisFeedforward):
     """Cancels the believed suit and a share of the gears' friction."""
@@ -87,6 +89,7 @@ class SuitAndFriction(HysteresisFeedforward):
         """Returns the torque of both motors [N·m], one row for each arm."""
         rate = seen["rate"][:, self.assisted]  # rad/s
         return super().torque(seen) + self.push * np.tanh(rate / 0.1)
+
 
 # %% [markdown]
 # The argument `belief` is what the controller believes about the arm, for example the suit. `seen`
