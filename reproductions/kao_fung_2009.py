@@ -74,6 +74,7 @@ def claims(results: Results, costs: Costs, seed: int) -> None:
         RULE,
         "claim: MPSO / PSO | printed | printed advantage | our means | our advantage | verdict",
         rows,
+        on_page=True,
     )
 
 

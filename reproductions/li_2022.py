@@ -206,6 +206,7 @@ def claims(results: Results, found: Sequence[Runs], seed: int) -> None:
         "claim: SA-PSO / MPSO | printed | printed advantage | advantage of our best trials | "
         "our medians | our advantage | verdict",
         rows,
+        on_page=True,
     )
 
 

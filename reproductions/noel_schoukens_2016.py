@@ -116,6 +116,7 @@ def main(seed: int = 0, out: Path = OUT, page: Path | None = None) -> None:
         "an integrator here, so that nothing is said about the official data.",
         "force | displacement | error of the fit | printed error",
         rows,
+        on_page=True,
     )
     note = f"From one period of the multisine with {NOISE_STD * 1e6:g} um of noise."
     rows = [[name, f"{a:g}", f"{b:.5g}"] for name, a, b in zip(NAMES, TRUTH, found, strict=True)]

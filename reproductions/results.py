@@ -21,21 +21,36 @@ class Results:
         out.mkdir(parents=True, exist_ok=True)
         self.out = out
         self._markdown: list[str] = []
+        self._page: list[str] = []
 
     def say(self, *sentences: str) -> None:
         """Prints sentences, a line each."""
         print("\n".join(sentences))
         self._markdown.append("\n".join(f"- {sentence}" for sentence in sentences))
 
-    def table(self, title: str, note: str, header: str, rows: Iterable[Sequence[str]]) -> None:
-        """Prints a table, with "|" between its names, below a note that says how to read it."""
+    def table(
+        self,
+        title: str,
+        note: str,
+        header: str,
+        rows: Iterable[Sequence[str]],
+        *,
+        on_page: bool = False,
+    ) -> None:
+        """Prints a table, with "|" between its names, below a note that says how to read it.
+
+        With `on_page` the page of the documentation gets the table, without the note.
+        """
         cells = [header.split(" | "), *rows]
         widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
         lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in cells]
         print(f"\n{title}\n{note}\n", *lines, "", sep="\n")
         lines = ["| " + " | ".join(row) + " |" for row in cells]
         lines.insert(1, "|" + "---|" * len(cells[0]))
-        self._markdown += [f"### {title}", f"**How to read this.** {note}", "\n".join(lines)]
+        table = "\n".join(lines)
+        self._markdown += [f"### {title}", f"**How to read this.** {note}", table]
+        if on_page:
+            self._page += [f"### {title}", table]
 
     def csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
         """Writes numbers with all their digits."""
@@ -55,15 +70,15 @@ class Results:
         self.say(*lines)
 
     def finish(self, page: Path | None) -> None:
-        """Writes tables.md, and puts its text between the marks of this program on a page."""
-        text = "\n\n".join(self._markdown)
-        write_text(self.out / "tables.md", f"{text}\n")
+        """Writes tables.md, and puts tables between the marks of this program on a page."""
+        write_text(self.out / "tables.md", "\n\n".join(self._markdown) + "\n")
         print(f"figures, tables.md and CSV files are in {self.out}")
         if page is not None:
             begin, end = (f"<!-- {which}: {self.out.name} -->" for which in ("made by", "end"))
             before, found, rest = page.read_text(encoding="utf-8").partition(begin)
             if not found or end not in rest:
                 raise InputError(f"{page} has not both marks: put {begin!r} and {end!r}")
+            text = "\n\n".join(self._page)
             write_text(page, f"{before}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2]}")
 
 

@@ -82,20 +82,6 @@ def door() -> str:
     )
 
 
-def demo_fits() -> str:
-    """Returns the table of the fits of the demo."""
-    header = ["joint", "method", "fitness, eq. (7)", "NRMSE", "certificate margin"]
-    header += ["model runs", "largest held-out errors [N·m]"]
-    rows = []
-    for joint, methods in kept("demo")["fits"].items():
-        for method, fit in methods.items():
-            errors = ", ".join(f"{error:.2f}" for error in fit["prediction_max_error"].values())
-            quality = [f"{fit['fitness']:.2e}", percent(fit["nrmse"], 2)]
-            margin = f"{fit['certificate']['margin']:.3f}"
-            rows.append([joint, f"`{method}`", *quality, margin, f"{fit['evaluations']:,}", errors])
-    return markdown_table(header, rows)
-
-
 # Sixteen settings.
 
 
@@ -242,7 +228,6 @@ def muscle_bare() -> str:
 
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
-    "reproduction.md": {"fits": demo_fits},
     "muscles.md": {"bare": muscle_bare},
     "results.md": {"findings": findings, "settings": all_settings},
 }

@@ -5,13 +5,11 @@
 # why the suit is called *hysteretic*, and measured how much an exoskeleton helps.
 #
 # **It takes** five minutes of reading and half a minute of computing. The first use of ActiveSuit
-# on a computer compiles code, which takes up to a minute more, and three minutes on a busy
-# computer. You need Python and [an installation](../install.md). You need to know nothing of
-# MuJoCo, which simulates the physics.
+# compiles code for a minute, and for three on a busy computer. You need [an
+# installation](../install.md), and no knowledge of MuJoCo, which simulates the physics.
 #
-# This page is a program: [1_simulate.py](1_simulate.py). Run it as a whole with `python
-# 1_simulate.py`, or open it in VS Code, Spyder or Jupyter (with Jupytext) and run it cell by
-# cell.
+# This page is a program: [1_simulate.py](1_simulate.py). Run `python 1_simulate.py`, or open the
+# file in VS Code, Spyder or Jupyter (with Jupytext), cell by cell.
 
 # %%
 import gymnasium
@@ -24,28 +22,26 @@ from activesuit.envs.policies import make_policy
 # ## One arm in a suit
 #
 # An *environment* is one simulated arm for one motion, with the interface of
-# [Gymnasium](https://gymnasium.farama.org). This one has an elbow that bends and straightens for
-# ten seconds. There is no gravity, so that little but the suit resists the motion.
+# [Gymnasium](https://gymnasium.farama.org). This elbow bends and straightens for ten seconds.
+# There is no gravity, so that little but the suit resists the motion.
 
 # %%
 env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", suit="emu-like", gravity="microgravity")
 observation, info = env.reset(seed=0)
 
-for part, place in env.unwrapped.layout.items():
-    print(f"{part}: numbers {place.start} to {place.stop - 1} of the observation")
+print("the observation has:", *env.unwrapped.layout)
 print("the action has", env.action_space.shape[0], "numbers")
 
 # %% [markdown]
 # Every hundredth of a second the environment takes an *action* and returns an *observation*. The
-# action is the torque of the two motors, at shoulder and elbow, as a share of their largest
-# torque. The observation is what the sensors of the exoskeleton measure: angles, their rates, and
-# what the motors do.
+# action is the torque of the motors, as a share of their largest torque. The observation is what
+# the sensors of the exoskeleton measure.
 #
-# The **person is part of the simulation**. The simulated wearer wants to follow a motion and
-# gives whatever torque that takes, as muscles would.
+# The **person is part of the simulation**: the simulated wearer gives whatever torque the intended
+# motion takes, as muscles would.
 #
-# First the motors do nothing, and we write down what happens. The dictionary `info` has what no
-# sensor could measure, such as the torque of the suit. A controller does not get it.
+# First the motors do nothing. The dictionary `info` has what no sensor could measure, such as the
+# torque of the suit. A controller does not get `info`.
 
 # %%
 JOINTS = ["shoulder abduction", "shoulder flexion", "elbow flexion", "wrist flexion"]
@@ -91,25 +87,17 @@ plt.show()
 
 # %% [markdown]
 # Positive torque bends the elbow, and negative torque straightens it. On the right the elbow goes
-# around loops. At one and the same angle the suit pushes harder against bending than it gives
-# back when the elbow straightens. So the torque depends on **how the joint got to its angle**.
-# That is hysteresis. The area inside a loop is energy that the person spends in each cycle and
-# never gets back.
-#
-# How wide is that loop at one angle?
-
-# %%
-middle = np.median(angle)
-near = np.abs(angle - middle) < 1
-print(f"within 1 degree of {middle:.0f} degrees the suit's torque goes", end=" ")
-print(f"from {suit[near].min():.1f} to {suit[near].max():.1f} N·m")
+# around loops. At the same angle the suit pushes harder against bending than it gives back when the
+# elbow straightens. So the torque depends on **how the joint got to its angle**. That is
+# hysteresis. The area inside a loop is energy that the person spends in each cycle and never gets
+# back.
 
 # %% [markdown]
 # ## Let the motors help
 #
-# A *policy* computes the action from the observation. `compensation` has a model of the suit with
-# a memory of its own. It follows the measured angle, and its motors cancel the torque that the
-# model predicts, and the friction of the motors' gears.
+# A *policy* computes the action from the observation. The policy `compensation` has a model of the
+# suit with a memory of its own. Its motors cancel the torque that the model predicts at the
+# measured angles, and the friction of the gears.
 
 # %%
 policy = make_policy("compensation", env)
@@ -117,14 +105,6 @@ policy.reset()
 assisted_angle, _, assisted_person = simulate(policy.act)
 print(f"largest torque of the person: {np.abs(person).max():.1f} N·m without assistance,")
 print(f"and {np.abs(assisted_person).max():.1f} N·m with it")
-
-# %%
-figure, axes = plt.subplots(num="Torque of the person over the angle")
-axes.plot(angle, person, color="C1", label="motors off")
-axes.plot(assisted_angle, assisted_person, color="C2", label="compensation")
-axes.set(xlabel="elbow angle [°]", ylabel="torque of the person [N·m]")
-axes.legend()
-plt.show()
 
 # %% [markdown]
 # ## One number for it
@@ -148,15 +128,12 @@ for name, score in found.scores.items():
 
 # %% [markdown]
 # **Effort** is the torque of the person as a share of strength. The 10 % without a suit are muscles
-# that pull against each other to stiffen the arm (*co-contraction*). In brackets are 95 %
-# intervals: other motions would have given a number in there. `none` is the exoskeleton with its
-# motors off. The person then also moves the friction of its gears, so its relief is below 0.
-# `feedforward` cancels the suit and leaves that friction.
+# that pull against each other to stiffen the arm (*co-contraction*). The brackets have 95 %
+# intervals over motions. `none` is the exoskeleton with its motors off, whose gears the person has
+# to move. `feedforward` cancels the suit and leaves that friction.
 #
 # ## Where to go
 #
-# `compensation` had the right model of the suit. Where does such a model come from? From a
-# measurement: **[2. Identify your own curves](2_identify.md)**.
-#
-# Other things to try here: `suit="mock-suit"`, `gravity="moon"`, or another of the
-# [tasks](../environments.md#tasks). [Environments](../environments.md) has all options.
+# `compensation` had the right model of the suit. Such a model comes from a measurement: **[2.
+# Identify your own curves](2_identify.md)**. [Environments](../environments.md) has all options,
+# and [tasks](../environments.md#tasks) has other motions.

@@ -1,16 +1,14 @@
 # %% [markdown]
 # # 4. Write a controller of your own
 #
-# **At the end you have** written two controllers, one from nothing and one that uses the suit
-# model that you identified, and know whether the second is better than one that ActiveSuit has.
+# **At the end you have** written two controllers, one from nothing and one with the suit model that
+# you identified, and know whether the second is better than one that ActiveSuit has.
 #
-# **It takes** five minutes of reading and a quarter of a minute of computing. Run [tutorial
-# 2](2_identify.md) first, in the same folder: it makes the suit file `my-suit/suit.json`. The
-# program of this page is [4_controller.py](4_controller.py).
+# **It takes** five minutes of reading and little computing. Run [tutorial 2](2_identify.md) first,
+# in the same folder. The program of this page is [4_controller.py](4_controller.py).
 
 # %%
 import gymnasium
-import matplotlib.pyplot as plt
 import numpy as np
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.plant import Plant
@@ -22,29 +20,26 @@ ARM = {"suit": "emu-like", "gravity": "microgravity"}
 # ## What a controller gets
 #
 # A controller, or *policy*, is any object with two methods: `reset()`, which forgets the last
-# motion, and `act(observation)`, which returns the action. It is made from a `Plant`. This has
-# what an engineer would know of the device, and nothing that only the simulation knows. You need
-# `Plant.of` where you make a policy by hand; `evaluate` below gives the plant to your class.
+# motion, and `act(observation)`, which returns the action. It is made from a `Plant`, which has
+# what an engineer would know of the device.
 
 # %%
 env = gymnasium.make("ActiveSuit/ArmTracking-v0", **ARM)
 plant = Plant.of(env.unwrapped.episodes)
 print("control period:", plant.dt, "s")
 print("peak torques of the motors:", plant.peak, "N·m")
-print("place of the rates in an observation:", plant.layout["rate"])
-print("the joints that have a motor:", plant.assisted)
 friction = [motor.coulomb for motor in plant.config.exo.motors.values()]
 print("friction of the gears, from the data sheet:", friction, "N·m")
 
 # %% [markdown]
 # ## A controller from nothing
 #
-# The gears of the motors resist every motion with that friction, and the person must overcome it.
-# So push along with the motion by a share of the friction. Near standstill the push fades out,
-# because noise of the sensor would make it flip.
+# The gears of the motors resist every motion with that friction. So push along with the motion by a
+# share of the friction. Near standstill the push fades out, because noise of the sensor would make
+# it flip.
 #
-# An observation is one arm, of shape `(size,)`, or many arms at once, of shape `(arms, size)`.
-# The dots in `observation[..., part]` make the class work for both.
+# An observation is one arm, of shape `(size,)`, or many arms at once, of shape `(arms, size)`. The
+# dots in `observation[..., part]` make the class work for both.
 
 
 # %%
@@ -75,13 +70,10 @@ print("action after one second:", np.round(policy.act(observation), 3))
 # %% [markdown]
 # ## A controller with your model
 #
-# The suit resists much more than the gears. `HysteresisFeedforward` is the class behind the
-# policy `feedforward`: it follows the measured angles with a hysteresis model, whose memory it
-# keeps, and returns the torque that cancels the suit.
-#
-# It is a `TorquePolicy`. Such a class says a torque in N·m in the method `torque`, from the parts
-# of the observation by name, always for many arms at once; clipping and dividing by the peaks are
-# done for you. So a controller with your model and your own idea is a few lines:
+# The suit resists much more than the gears. `HysteresisFeedforward` is the class behind the policy
+# `feedforward`: it follows the measured angles with a hysteresis model, and returns the torque that
+# cancels the suit. It is a `TorquePolicy`, whose method `torque` returns N·m for many arms at once,
+# from the parts of the observation by name:
 
 
 # %%
@@ -100,11 +92,9 @@ class SuitAndFriction(HysteresisFeedforward):
 
 
 # %% [markdown]
-# The argument `belief` is what the controller believes about the arm, for example the suit.
-# `seen` also has `angle`, and what other sensors measure that the class names in `sensors`. With
-# `sensors = ("encoders", "preview")` there is `target`, the angles that the person intends, for a
-# controller that pulls toward them. All sensors are in [a
-# table](../environments.md#sensor-suites).
+# The argument `belief` is what the controller believes about the arm, for example the suit. `seen`
+# also has `angle`, and what other [sensors](../environments.md#sensor-suites) measure that the
+# class names in `sensors`.
 #
 # ## Compare
 #
@@ -128,17 +118,6 @@ found = evaluate(
 for name, score in found.scores.items():
     print(f"{name:18} relief {found.relief(name)}, went well {sum(score.success)} of 8")
 
-# %%
-names = [name for name in found.scores if name not in ("unsuited", "suited")]
-relief = [found.relief(name) for name in names]
-figure, axes = plt.subplots(num="Relief of five controllers, with intervals", figsize=(8.4, 2.6))
-errors = [[one.value - one.low for one in relief], [one.high - one.value for one in relief]]
-axes.errorbar([one.value for one in relief], names, xerr=errors, fmt="o", capsize=4)
-axes.axvline(0, color="C4", linewidth=0.8)
-axes.set(xlabel="relief: 0 is no exoskeleton, 1 is no suit")
-axes.invert_yaxis()
-plt.show()
-
 # %% [markdown]
 # Intervals that overlap do not say that two controllers are alike, since both had the same
 # motions. The difference, motion by motion, is sharper:
@@ -148,15 +127,14 @@ print("own less feedforward: ", found.relief_difference("suit and friction", "fe
 print("own less compensation:", found.relief_difference("suit and friction", "compensation"))
 
 # %% [markdown]
-# An interval without zero means that the difference is real, for motions of this kind. If zero is
-# in it, eight motions cannot tell which of the two is better. `compensation` has the same terms
-# as your class. Beside them it cancels friction that grows with the rate, and weight, which is
-# zero here.
+# An interval without zero means that the difference is real, for motions of this kind.
+# `compensation` has the same terms as your class. Beside them it cancels friction that grows with
+# the rate, and weight, which is zero here.
 #
 # ## From the command line
 #
-# Put a class into a file `my_policies.py`. In its folder every command knows it, with options
-# after a colon:
+# Put a class into a file `my_policies.py`. In its folder every command knows the class, with
+# options after a colon:
 #
 # ```bash
 # activesuit evaluate --policies compensation \
@@ -166,8 +144,6 @@ print("own less compensation:", found.relief_difference("suit and friction", "co
 #
 # ## Where to go
 #
-# Your class has a number, `share`, and an idea of what resists. Can a computer find such a
-# correction by itself? **[5. Train a controller](5_train.md)**.
-#
+# Can a computer find such a correction by itself? **[5. Train a controller](5_train.md)**.
 # [Controllers and scores](../controllers.md) has all policies that ship, and the
 # [benchmark](../benchmark.md) compares yours with them over all tasks.

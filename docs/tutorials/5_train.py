@@ -2,31 +2,26 @@
 # # 5. Train a controller
 #
 # **At the end you have** trained a network that corrects a controller whose model of the suit is
-# wrong, seen its learning curve, and compared it in motions that it never met.
+# wrong, and compared it in motions that it never met.
 #
-# **It takes** five minutes of reading and one to two minutes of computing. It needs the extra
-# `train`: `pip install '.[train]' -c constraints.txt` in a clone of the repository. The program
-# of this page is [5_train.py](5_train.py).
+# **It takes** five minutes of reading and two minutes of computing. It needs the extra `train`:
+# `pip install '.[train]' -c constraints.txt` in a clone of the repository. The program of this page
+# is [5_train.py](5_train.py).
 
 # %%
 import json
 
-import gymnasium
 import matplotlib.pyplot as plt
-import numpy as np
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.policies import make_policy, save_policy
-from activesuit.envs.sb3 import ArmVecEnv, ResidualVecEnv
 from activesuit.scripts.main import main
-from stable_baselines3 import PPO
 
 ARM = {"suit": "emu-like", "gravity": "microgravity"}
 
 # %% [markdown]
 # ## What is there to learn?
 #
-# In [tutorial 3](3_validate.md) a controller with the model of another suit helped less. A person
-# may get a suit that nobody has measured, so this is no rare case. How much is lost?
+# A person may get a suit that nobody has measured. How much relief is lost with the model of
+# another suit?
 
 # %%
 wrong = {"name": "compensation", "suit": "mock-suit"}
@@ -40,16 +35,13 @@ for name in ("wrong model", "right model"):
 # %% [markdown]
 # ## Correct a policy instead of replacing it
 #
-# *Reinforcement learning* tries actions at random and prefers those after which the reward was
-# larger. The reward of a control period is large if the person works little, follows the intended
-# motion, and the action does not jump ([the formula](../environments.md#action-reward-and-end)).
+# *Reinforcement learning* tries actions at random and prefers those after which [the
+# reward](../environments.md#action-reward-and-end) was larger. The reward is large if the person
+# works little, follows the intended motion, and the action does not jump.
 #
-# A network that begins with random torques would throw the arm about for a long time. So it gets
-# an easier job: **add a correction to the policy that we have**. The motors then get *policy +
-# scale × network*. The network begins at zero, which is the policy itself. It sees what the
-# sensors see, and nothing of the true suit.
-#
-# In a terminal this is
+# A network that begins with random torques would throw the arm about. So the network gets an easier
+# job: **add a correction to the policy that we have**. The motors get *policy + scale × network*.
+# The network begins at zero, and sees what the sensors see, nothing of the true suit.
 #
 # ```bash
 # activesuit train --task ArmTracking --suit emu-like --gravity microgravity \
@@ -57,8 +49,7 @@ for name in ("wrong model", "right model"):
 # ```
 #
 # The algorithm is PPO of Stable-Baselines3, with 64 arms side by side. After every tenth of the
-# training the network is tested in eight motions of persons who have learned to move with it. The
-# folder keeps the best one.
+# training the network is tested in eight motions. The folder keeps the best network.
 
 # %% tags=["varies"]
 line = "train --task ArmTracking --suit emu-like --gravity microgravity --residual {} --steps {}"
@@ -84,7 +75,7 @@ axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
 plt.show()
 
 # %% [markdown]
-# ## An honest test
+# ## A fair test
 #
 # The best of ten tests looks a little too good, because it was chosen for its result. So compare
 # again in motions that neither the training nor the choice has used. The folder of the training
@@ -102,37 +93,11 @@ for name, score in after.scores.items():
 print("difference by the correction:", after.relief_difference("with correction", "wrong model"))
 
 # %% [markdown]
-# If the last interval is above zero, the correction helps. Compare it with the right model too:
-# the learning curve says whether more steps would bring more. And one training is one case: with
-# another seed it ends elsewhere. Before you claim anything, train at least five times (`--seeds
-# 0-4`).
+# If the last interval is above zero, the correction helps. One training is one case: before you
+# claim anything, train at least five times (`--seeds 0-4`).
 #
-# ## The same in Python
-#
-# With a learner of your own you need the arms, the correction and `save_policy`. This is too
-# short to learn anything; it shows all the parts.
-
-# %%
-arms = gymnasium.make_vec("ActiveSuit/ArmTracking-v0", 16, autoreset_mode="SameStep", **ARM)
-rows = ResidualVecEnv(ArmVecEnv(arms), wrong)
-model = PPO("MlpPolicy", rows, n_steps=64, batch_size=256, gamma=0.98, seed=0)
-model.learn(2048)
-save_policy(model, "my-policy", rows)
-
-one = gymnasium.make("ActiveSuit/ArmTracking-v0", **ARM)
-observation, info = one.reset(seed=0)
-policy = make_policy("my-policy", one)
-policy.reset()
-action = policy.act(observation)
-print("a saved policy needs no torch; its action has the shape", np.shape(action))
-
-# %% [markdown]
 # ## Where to go
 #
-# You have simulated, identified, validated, written and trained. What next?
-#
-# - [Train a controller](../training.md): other algorithms, sensors, teachers, rewards,
-#   hyperparameters, and export to other machines as ONNX.
-# - [Tasks](../environments.md#tasks): from reaching to hammering, or a task of your own.
-# - [Benchmark](../benchmark.md): your controller beside all others, and how to share the result.
-# - [Hysteresis on your own robot](../robot.md): the models of tutorial 2 in any MuJoCo model.
+# [Train a controller](../training.md) has other algorithms, sensors, teachers, rewards, and
+# learners of your own. [Tasks](../environments.md#tasks) has other motions, the [benchmark](../benchmark.md)
+# compares controllers, and [your own robot](../robot.md) takes the models of tutorial 2.
