@@ -99,5 +99,6 @@ print("difference by the correction:", after.relief_difference("with correction"
 # ## Where to go
 #
 # [Train a controller](../training.md) has other algorithms, sensors, teachers, rewards, and
-# learners of your own. [Tasks](../environments.md#tasks) has other motions, the [benchmark](../benchmark.md)
-# compares controllers, and [your own robot](../robot.md) takes the models of tutorial 2.
+# learners of your own. [Tasks](../environments.md#tasks) has other motions, the
+# [benchmark](../benchmark.md) compares controllers, and [your own robot](../robot.md) takes the
+# models of tutorial 2.
