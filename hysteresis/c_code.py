@@ -187,7 +187,7 @@ def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Ar
         state, torque[i] = model.step(state, to)
     if isinstance(model, Viscoelastic):
         element = np.empty(len(angle))
-        viscoelastic_kernels.follow(model.begun(), dt * np.arange(len(angle)), angle, element)
+        viscoelastic_kernels.follow(model.numbers, dt * np.arange(len(angle)), angle, element)
         torque += element + model.damping * np.diff(angle, prepend=angle[:1]) / dt
     return torque
 

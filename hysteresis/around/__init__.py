@@ -4,14 +4,26 @@
 `Backlash` adds play, and `Viscoelastic` adds a torque that depends on the rate.
 """
 
-from .models import Asymmetric, Backlash, Clipped, Viscoelastic, Wrapper, sprung, without_rate
+from .models import (
+    Asymmetric,
+    Backlash,
+    Clipped,
+    Parts,
+    Viscoelastic,
+    Wrapper,
+    parts,
+    sprung,
+    without_rate,
+)
 
 __all__ = [
     "Asymmetric",
     "Backlash",
     "Clipped",
+    "Parts",
     "Viscoelastic",
     "Wrapper",
+    "parts",
     "sprung",
     "without_rate",
 ]

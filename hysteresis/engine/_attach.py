@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, unknown_name
-from ..around import Asymmetric, Backlash, Clipped, Viscoelastic
+from ..around import Parts, parts
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..protocol import HysteresisModel, State, follow, read_only
@@ -23,6 +22,8 @@ from ._callbacks import plugin_name, register
 from ._state import FAULT, MEMORY, OFF
 from .native import compile_plugin
 
+GIVEN = {"viscoelastic": viscoelastic.NUMBERS, "gap": backlash.END}
+"""Numbers in MJCF of what is around a model, where its state has more."""
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 INSTANCE = re.compile(r"(.*)_suit(?:_\d+)?")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -214,7 +215,7 @@ def replace_model(
         )
     begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     state = plugin_state[begin : begin + size]
-    bare, polynomial, limits, rate, play = _parts(model)
+    bare, polynomial, limits, rate, play = parts(model)
     if keep_memory:
         if any(given is not None for given in (start_angle, start_torque, start_path)):
             raise InputError(
@@ -250,7 +251,7 @@ def _kept(model: HysteresisModel, state: Array, joint: str) -> State:
             f"keep_memory is True, but the {model.name} model of joint {joint!r} has no memory to "
             f"keep: {why}; leave keep_memory out"
         )
-    bare, *_, play = _parts(model)
+    bare, *_, play = parts(model)
     end = MEMORY + bare.memory_size
     memory, parameters = state[MEMORY:end], state[end : end + bare.parameter_vector.size]
     if play.size:
@@ -280,7 +281,7 @@ def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
 
 def _layout(model: HysteresisModel) -> tuple[int, ...]:
     """Returns the slot of a model's plugin and the sizes of the parts of its state."""
-    bare, *around = _parts(model)
+    bare, *around = parts(model)
     own = bare.memory_size + bare.parameter_vector.size
     return register()[plugin_name(type(bare))], own, *(part.size for part in around)
 
@@ -328,7 +329,7 @@ def _compiled_start(
 
 
 def _require_model(model: object) -> None:
-    bare = _parts(model).bare if isinstance(model, HysteresisModel) else None
+    bare = parts(model).bare if isinstance(model, HysteresisModel) else None
     if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
             f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
@@ -336,42 +337,13 @@ def _require_model(model: object) -> None:
         )
 
 
-class _Parts(NamedTuple):
-    """A model without its wrappers, and the numbers of each wrapper in the state, maybe none."""
-
-    bare: HysteresisModel
-    polynomial: Array
-    limits: Array
-    rate: Array
-    play: Array
-
-
-def _parts(model: HysteresisModel) -> _Parts:
-    """Splits a model into the innermost one and the numbers of its wrappers."""
-    rate, play, polynomial, limits = (np.empty(0) for _ in range(4))
-    if isinstance(model, Viscoelastic):
-        model, rate = model.model, model.begun()
-    if isinstance(model, Backlash):
-        model, play = model.model, np.array([model.gap, 0.0])
-    if isinstance(model, Asymmetric):
-        model, polynomial = model.model, np.array(model.polynomial)
-    if isinstance(model, Clipped):
-        model, limits = model.model, np.array(model.angle_range)
-    return _Parts(model, polynomial, limits, rate, play)
-
-
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    bare, polynomial, limits, rate, play = _parts(model)
+    bare, *around = parts(model)
     config = {key: _text(value) for key, value in bare.config().items()}
-    if polynomial.size:
-        config["polynomial"] = _text(polynomial.tolist())
-    if limits.size:
-        config["angle_range"] = _text(limits.tolist())
-    if rate.size:
-        config["viscoelastic"] = _text(rate[: viscoelastic.NUMBERS].tolist())
-    if play.size:
-        config["gap"] = _text(float(play[backlash.GAP]))
+    for name, part in zip(Parts._fields[1:], around, strict=True):
+        if part.size:
+            config[name] = _text(part[: GIVEN.get(name, part.size)].tolist())
     return plugin_name(type(bare)), config
 
 

@@ -54,7 +54,7 @@ from ._state import (
     sensor_of,
 )
 
-KINDS = {"number": A_NUMBER, "list": A_LIST, "word": A_WORD}
+KINDS = {"number": A_NUMBER, "list": A_LIST, "rows": A_LIST, "word": A_WORD}
 
 
 @njit(inline="always")

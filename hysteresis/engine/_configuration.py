@@ -188,9 +188,12 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     values = np.empty(counts.sum())
     fault = read_values(m, instance, kinds, words, counts, values, at)
     if fault[0] == FINE:
-        complaint, key = kernels.configure(values, np.cumsum(counts), p)
+        ends = np.cumsum(counts)
+        complaint, key = kernels.complaint(values, ends)
         if complaint != FINE:
             fault = (MODEL + complaint, FIRST_KEY + key)
+        else:
+            kernels.configure(values, ends, p)
     if fault[0] == FINE:
         fault = read_around(m, instance, polynomial, limits, rate, play, at)
     if fault[0] == FINE:

@@ -185,19 +185,25 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from Ms, a, alpha, c, k, the unit of angles, form and clamp."""
+def complaint(values, ends):
+    """Returns what is wrong with Ms, a, alpha, c, k, the unit of angles, form and clamp."""
     for i in (MS, A, K):
         if not values[i] > 0:
             return POSITIVE, i
         if not SMALLEST <= values[i] <= 1 / SMALLEST:
             return EXTREME, i
-    Ms, a, alpha, c, k, unit, form, clamp = values
+    c, form = values[C], values[6]
     if form != forms.BULK and not 0 <= c < (1 if form == forms.JILES_1992 else math.inf):
         return AT_LEAST_0, C
+    return FINE, 0
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from the values of `complaint`."""
+    Ms, a, alpha, c, k, unit, form, clamp = values
     scale = DEGREE if unit == 1 else 1.0
     set_parameters(p, Ms, a * scale, alpha * scale, c, k * scale, int(form), int(clamp))
-    return FINE, 0
 
 
 @njit(cache=True, error_model="numpy")

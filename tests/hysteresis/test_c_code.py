@@ -100,7 +100,7 @@ def torques(case, angles, angle, torque):
     if isinstance(model, Viscoelastic):
         slow += model.damping * np.diff(angles, prepend=angles[0]) / DT
         element = np.empty(angles.size)
-        kernels.follow(model.begun(), DT * np.arange(angles.size), angles, element)
+        kernels.follow(model.numbers, DT * np.arange(angles.size), angles, element)
         slow += element
     return slow
 

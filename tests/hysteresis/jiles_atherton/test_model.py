@@ -83,9 +83,9 @@ def test_pole_is_an_error_that_says_where(shoulder):
 
 def test_bad_parameters(elbow):
     rows = [
-        ({"Ms": 0.0}, "Ms is 0.0: it must be above 0"),
-        ({"a": -1.0}, "a is -1.0: it must be above 0"),
-        ({"k": 0.0}, "k is 0.0: it must be above 0"),
+        ({"Ms": 0.0}, r"Ms is 0\.0 N·m: give a number above 0"),
+        ({"a": -1.0}, r"a is -1\.0 deg: give a number above 0"),
+        ({"k": 0.0}, r"k is 0\.0 deg: give a number above 0"),
         ({"alpha": math.nan}, "alpha is nan: give a finite number"),
         ({"k": math.inf}, "k is inf: give a finite number"),
         ({"c": 0.5}, "c is 0.5: below 1 .* allow_active=True"),

@@ -104,36 +104,16 @@ def test_certificates():
     assert play.certificate((0.2, 1.2)).torque_bound == pytest.approx(2.0 + 0.6)
 
 
-@for_any(stops(), angles, angles, st.lists(st.floats(-9, 9), min_size=1, max_size=30))
-def test_the_inverse_gives_the_torques_back(model, origin, initial, torque):
-    # Any start: somewhere on a first loading.
-    torque = [reference(model, origin).move(initial), *torque, torque[-1]]
-    angle = model.inverse(torque, initial)
-    assert angle[-1] == angle[-2]
-    back = model.response(angle, torque[0])
-    scale = model.loading_slopes.max() * (1 + np.abs(angle).max())
-    np.testing.assert_allclose(back, torque, atol=1e-12 * scale)
-
-
-def test_no_inverse_where_the_model_does_not_rise():
-    rows = [
-        ({"stiffness": 0.0}, r"slope 0 N·m/rad beyond 0\.3 rad: .* raise the stiffness by more"),
-        ({"weights": [3.0, -3.0]}, r"slope -2 N·m/rad beyond 0\.1 rad: .* more than 2 N·m/rad"),
-        ({"stiffness": 0.0, "operator": "play"}, r"slope 0 N·m/rad beyond 0 rad"),
-    ]
-    assert_refused(lambda change: simple(**change).inverse([0.0, 1.0], 0.2), rows)
-
-
 def test_bad_input():
     rows = [
         ({"operator": "slide"}, "operator is 'slide': use 'stop' or 'play'"),
         ({"stiffness": "big"}, "stiffness is 'big': give a number"),
         ({"rest_angle": math.nan}, "rest_angle is nan: give a finite number"),
-        ({"weights": [5.0]}, "1 weights for 2 thresholds: give one weight for each"),
+        ({"weights": [5.0]}, "weights is .*: give as many numbers as thresholds"),
         ({"weights": 5.0}, "weights is 5.0: give at least one number"),
         ({"thresholds": [], "weights": []}, r"thresholds is \[\]: give at least one number"),
         ({"thresholds": ["0.1", "0.3"]}, "thresholds is .*: give at least one number"),
-        ({"thresholds": [0.0, 0.3]}, r"thresholds\[0\] is 0.0 rad: it must be above 0.0;"),
+        ({"thresholds": [0.0, 0.3]}, "thresholds is .* rad: give increasing numbers above 0"),
     ]
     assert_refused(lambda change: simple(**change), rows)
     words = r"0 N·m at 1.2 rad: .* 0.4 to 1.6 .*; give a torque"

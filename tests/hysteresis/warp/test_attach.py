@@ -144,7 +144,7 @@ def torques(model, angle, torque, angles):
     found = model.response([angle, *angles], torque)[1:]
     if isinstance(model, Viscoelastic):
         element = np.empty(angles.size)
-        viscoelastic_kernels.follow(model.begun(), DT * np.arange(angles.size), angles, element)
+        viscoelastic_kernels.follow(model.numbers, DT * np.arange(angles.size), angles, element)
         found += element + model.damping * np.diff(angles, prepend=angles[0]) / DT
     return found
 

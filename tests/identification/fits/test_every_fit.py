@@ -144,7 +144,7 @@ def test_bad_options():
         ("preisach", BENT, {"levels": 1}, "levels is 1: use at least 2"),
         ("preisach", BENT, {"levels": 0.5}, "levels is 0.5: give at least one number"),
         ("preisach", BENT, {"levels": [1.0]}, "give at least 2 angles"),
-        ("preisach", BENT, {"levels": [0.6, 0.5, 0.9]}, r"levels\[1\] is 0.5 rad"),
+        ("preisach", BENT, {"levels": [0.6, 0.5, 0.9]}, r"levels is \(0\.6, 0\.5, 0\.9\) rad"),
         ("preisach", BENT, {"levels": [2.0, 3.0]}, "from 2 to 3 rad and the curves from 0.5 to"),
         ("prandtl-ishlinskii", BENT, {"thresholds": 0}, "thresholds is 0: use at least 1"),
         ("prandtl-ishlinskii", BENT, {"thresholds": [0.1, -0.2]}, "positive thresholds"),
