@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
 from ...arrays import Array
@@ -83,6 +84,13 @@ class JilesAtherton(HysteresisModel):
                 f"parameter c is {self.c}: below 1 the model feeds energy into the joint; use "
                 "c >= 1, or allow_active=True if that is what you want"
             )
+
+    @property
+    def c_source(self) -> Path:
+        """File with the kernel `commit` in C99; there is none for other forms and clamps."""
+        source = super().c_source
+        exact = self.form == "bulk" and self.clamp == "none"
+        return source if exact else source.with_name("other_forms.c")
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Proves, where it can be proved, that no motion meets the pole (docs/theory.md, "Safety").

@@ -232,7 +232,7 @@ def test_bad_content(tmp_path):
         ((*elbow, "model"), {"model": "jiles-atherton"}, r"suit\.json.*\.model: .* has no Ms"),
         ((*elbow, "model", "model"), "preisac", "elbow_flexion.model: unknown model .*'preisach'"),
         ((*elbow, "model", "Ms"), -1, "elbow_flexion.model: Ms is -1.0 N·m: .*above 0"),
-        ((*elbow, "model", "k"), "x", "elbow_flexion.model: parameter k is 'x': give a number"),
+        ((*elbow, "model", "k"), "x", "elbow_flexion.model: k is 'x': give a number"),
         ((*elbow, "model", "kk"), 1, "unknown parameter of 'jiles-atherton' 'kk': use one of"),
         ((*elbow, "samples"), [{}], r"elbow_flexion.samples.0: unknown model 'None'"),
         ((*elbow, "samples"), unsafe, r"samples\[1\] has certificate margin -0.2.* but the .*remo"),

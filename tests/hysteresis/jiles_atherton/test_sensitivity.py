@@ -4,8 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from activesuit.hysteresis.jiles_atherton.kernels import population_response
-from activesuit.hysteresis.jiles_atherton.sensitivity import response_and_derivatives
+from activesuit.hysteresis.jiles_atherton.kernels import (
+    population_response,
+    response_and_derivatives,
+)
 from helpers import TABLE_2, sweep
 
 TINY = 1e-30
