@@ -1,4 +1,18 @@
-"""`HysteresisModel`, the protocol of every hysteresis model over its compiled kernels."""
+"""`HysteresisModel`, the protocol of every hysteresis model over its compiled kernels.
+
+The torque depends on the order of the angles, not on time or on the number of samples: `step` gives
+the torques of `response` to the last bit, and so does the engine.
+
+    model = BoucWen(elastic=3, hysteretic=9, beta=4, gamma=1, n=1.5)
+    torque = model.response([0.0, 0.8, 0.3])  # N·m at angles in rad, from 0 N·m on
+    state = model.start(0.0)
+    for angle in (0.8, 0.3):
+        state, last = model.step(state, angle)  # last == torque[1], then torque[2]
+    lost = model.energy(state).dissipated
+
+A model and a `State` never change: `step` returns a new state, and the old one can be continued in
+another way. Only `advance` moves memories in place.
+"""
 
 import math
 import zlib

@@ -41,16 +41,23 @@ class Wrapper(HysteresisModel):
 
     place: ClassVar[str]
     """Config key in MJCF, and the field of `Parts`, that has its numbers."""
+    remembered: ClassVar[int] = 0
+    """How many numbers the class remembers in a state of the engine."""
     c_state: ClassVar[int] = 0
     """How many numbers the class adds to the state in C."""
 
     model: HysteresisModel
 
     @property
+    def given(self) -> list[float]:
+        """The numbers that a user gives, those of all parameters end to end."""
+        return np.concatenate([np.ravel(getattr(self, name)) for name in self.units]).tolist()
+
+    @property
     def numbers(self) -> Array:
-        """The numbers that the class adds to a state of the engine."""
-        (name,) = self.units
-        return np.atleast_1d(np.array(getattr(self, name), np.float64))
+        """The same, and zeros for the numbers that the class remembers in a state of the engine."""
+        given = self.given
+        return np.array([*given, *[0.0] * self.remembered])
 
     @property
     def kernels(self) -> ModuleType:  # type: ignore[override]
@@ -97,7 +104,7 @@ class Wrapper(HysteresisModel):
 
     def energy(self, state: State) -> Energy:
         """Returns the energy that the inner model has stored and dissipated [J]."""
-        return self.model.energy(state)
+        return self.model.energy(self._inner(state))
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory in place of another model's; see `HysteresisModel.carry_over`."""
@@ -105,7 +112,11 @@ class Wrapper(HysteresisModel):
 
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
-        return self.model.anhysteretic(state)
+        return self.model.anhysteretic(self._inner(state))
+
+    def _inner(self, state: State) -> State:
+        """Returns the state of the inner model."""
+        return state
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> Self:
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
@@ -325,6 +336,7 @@ class Backlash(Wrapper):
 
     name = "backlash"
     place = "gap"
+    remembered = backlash.SIZE - backlash.END
     least: ClassVar = MappingProxyType({"gap": 0.0})
     units: ClassVar[Mapping[str, str]] = {"gap": "rad"}
     c_state: ClassVar[int] = 2
@@ -338,11 +350,6 @@ class Backlash(Wrapper):
         if gap <= 0:
             raise InputError(f"gap is {gap:g} rad: give an angle above 0, or the model without it")
         object.__setattr__(self, "gap", gap)
-
-    @property
-    def numbers(self) -> Array:
-        """The gap and a place for the angle of the suit's side."""
-        return np.array([self.gap, 0.0])
 
     @property
     def memory_size(self) -> int:  # type: ignore[override]
@@ -391,20 +398,14 @@ class Backlash(Wrapper):
         """Returns the state of the model inside, at the angle of the suit's side [rad]."""
         return State(state.memory[:-1], float(state.memory[-1]), state.torque)
 
+    _inner = suit_state
+
     def tangent(self, state: State, direction: float) -> float:
         """Returns the stiffness [N·m/rad] with which a motion goes on; 0 where it is free."""
         end, delta = state.memory[-1], math.copysign(1.0, direction)
         if backlash.is_free(state.torque, np.array([self.gap, end]), end, state.angle, delta):
             return 0.0
         return self.model.tangent(self.suit_state(state), direction)
-
-    def energy(self, state: State) -> Energy:
-        """Returns stored and dissipated energy of the inner model [J]; the gap does neither."""
-        return self.model.energy(self.suit_state(state))
-
-    def anhysteretic(self, state: State) -> float | None:
-        """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
-        return self.model.anhysteretic(self.suit_state(state))
 
     def start_is_certified(self, state: State) -> bool:
         """Returns whether the certificate covers motions that start in `state`."""
@@ -445,6 +446,7 @@ class Viscoelastic(Wrapper):
 
     name = "viscoelastic"
     place = "viscoelastic"
+    remembered = viscoelastic.SIZE - viscoelastic.NUMBERS
     least: ClassVar = MappingProxyType(
         {"damping": 0.0, "relaxation_stiffness": 0.0, "relaxation_time": 0.0}
     )
@@ -514,13 +516,6 @@ class Viscoelastic(Wrapper):
         torque = np.empty_like(angle)
         viscoelastic.follow(self.numbers, time, angle, torque)
         return torque + (self.damping * np.gradient(angle, time) if angle.size > 1 else 0.0)
-
-    @property
-    def numbers(self) -> Array:
-        """Parameters and memory of both relaxed elements, as the kernels have them."""
-        rate = np.zeros(viscoelastic.SIZE)
-        rate[: viscoelastic.NUMBERS] = [getattr(self, name) for name in self.units]
-        return rate
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Returns the certificate of the model, with a larger torque bound.

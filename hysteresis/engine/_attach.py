@@ -11,19 +11,27 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, unknown_name
-from ..around import Parts, parts
+from ..around import Wrapper, parts
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..protocol import HysteresisModel, State, follow, read_only
 from ..registry import MODELS
 from ..safety import require_certificate
-from . import _configuration as keys
 from ._callbacks import plugin_name, register
-from ._state import FAULT, MEMORY, OFF
+from ._configuration import (
+    ANGLE_RANGE,
+    FAULT,
+    GAP,
+    MEMORY,
+    OFF,
+    POLYNOMIAL,
+    START_ANGLE,
+    START_PATH,
+    START_TORQUE,
+    VISCOELASTIC,
+)
 from .native import compile_plugin
 
-GIVEN = {"viscoelastic": viscoelastic.NUMBERS, "gap": backlash.END}
-"""Numbers in MJCF of what is around a model, where its state has more."""
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 INSTANCE = re.compile(r"(.*)_suit(?:_\d+)?")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -289,9 +297,9 @@ def _layout(model: HysteresisModel) -> tuple[int, ...]:
 def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
     """Returns the layout of a compiled instance; its config has the parts around the model."""
     values = _compiled_config(mj_model, instance)
-    polynomial, limits = (len(values[key].split()) for key in (keys.POLYNOMIAL, keys.ANGLE_RANGE))
-    rate = viscoelastic.SIZE if values[keys.VISCOELASTIC] else 0
-    around = polynomial, limits, rate, backlash.SIZE if values[keys.GAP] else 0
+    polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
+    rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
+    around = polynomial, limits, rate, backlash.SIZE if values[GAP] else 0
     own = int(mj_model.plugin_statenum[instance]) - MEMORY - sum(around)
     return int(mj_model.plugin[instance]), own, *around
 
@@ -320,10 +328,10 @@ def _compiled_start(
     """Returns angle [rad] and torque [N·m] at which an instance's memory starts, and its path."""
     values = _compiled_config(mj_model, instance)
     reference = float(mj_model.joint(joint).qpos0[0])
-    path = [float(angle) for angle in values[keys.START_PATH].split()]
+    path = [float(angle) for angle in values[START_PATH].split()]
     return (
-        float(values[keys.START_ANGLE] or reference),
-        float(values[keys.START_TORQUE] or 0.0),
+        float(values[START_ANGLE] or reference),
+        float(values[START_TORQUE] or 0.0),
         path,
     )
 
@@ -339,12 +347,12 @@ def _require_model(model: object) -> None:
 
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    bare, *around = parts(model)
-    config = {key: _text(value) for key, value in bare.config().items()}
-    for name, part in zip(Parts._fields[1:], around, strict=True):
-        if part.size:
-            config[name] = _text(part[: GIVEN.get(name, part.size)].tolist())
-    return plugin_name(type(bare)), config
+    config = {}
+    while isinstance(model, Wrapper):
+        config[model.place] = _text(model.given)
+        model = model.model
+    own = {key: _text(value) for key, value in model.config().items()}
+    return plugin_name(type(model)), own | config
 
 
 def _text(value: float | str | Sequence[float]) -> str:
