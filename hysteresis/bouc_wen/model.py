@@ -107,33 +107,17 @@ class BoucWen(HysteresisModel):
         *,
         k: float,
         alpha: float,
-        beta: float,
-        gamma: float,
-        n: float,
-        A: float = 1.0,
-        rest_angle: float = 0.0,
+        **others: float,
     ) -> "BoucWen":
         """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
 
         Args:
             k: Stiffness before yield, for A = 1 [N·m/rad].
             alpha: Ratio of the stiffness after yield to k, not 1.
-            beta: Loss coefficient, which opens the loop [1/rad^n].
-            gamma: Shape coefficient, which bends the loop [1/rad^n].
-            n: Sharpness of the yield, 1 to 1e6.
-            A: Slope dz/dtheta at z = 0, > 0.
-            rest_angle: Angle at which the elastic part is zero [rad].
+            **others: The other parameters of the class.
         """
         k, alpha = number("k", k), number("alpha", alpha)
-        return cls(
-            elastic=alpha * k,
-            hysteretic=(1 - alpha) * k,
-            A=A,
-            beta=beta,
-            gamma=gamma,
-            n=n,
-            rest_angle=rest_angle,
-        )
+        return cls(elastic=alpha * k, hysteretic=(1 - alpha) * k, **others)
 
     def normalized(self) -> "BoucWen":
         """Returns the same model with A = 1, where z is an angle of the hysteretic spring."""

@@ -292,12 +292,7 @@ def issue(sentence):
 
 @inner
 def choice_of(text, words):
-    """Returns the number, from 0, of the word that the C string at `text` is; -1 for none.
-
-    Args:
-        text: Address of the C string.
-        words: Bytes with a blank between every two words, as b"rad deg".
-    """
+    """Returns which word of `words`, as b"rad deg", the C string `text` is; -1 for none."""
     number, start = 0, 0
     for end in range(len(words) + 1):
         if end == len(words) or words[end] == ord(" "):
@@ -421,17 +416,10 @@ def sensor_values(m, d, sensor, count, at):
 def begin_complaint(m, instance, noun, subject, key, at):
     """Begins a sentence about a config: "PLUGIN of NOUN 'SUBJECT': KEY is 'VALUE': ".
 
-    Args:
-        m: Address of mjModel.
-        instance: Number of the instance.
-        noun: Word for the thing that the instance acts on, as b"joint".
-        subject: Number of the config key that names this thing.
-        key: Number of the config key that is wrong; with `subject`, its part of the sentence is
-            left out.
-        at: Layout of the plugin.
-
-    Returns:
-        The sentence so far, to which `add` and `add_text` append, and its length.
+    The noun is the thing that the instance acts on, as b"joint", and `subject` the number of the
+    config key that names this thing. `key` is the number of the key that is wrong; where it is the
+    subject, its part is left out. Returns the sentence, to which `add` and `add_text` append, and
+    its length.
     """
     sentence = np.zeros(SENTENCE_LIMIT, np.uint8)
     n = add_text(sentence, 0, plugin_name(m, instance, at))
@@ -464,12 +452,7 @@ def packed(ids, place, bits):
 
 @inner
 def sensor_kind(name, endings):
-    """Returns which of some words the C string at `name` ends with, from 0; -1 for none.
-
-    Args:
-        name: Address of the name of a sensor.
-        endings: Bytes with a blank between every two words, as b"force torque".
-    """
+    """Returns with which word of `endings`, as b"force torque", `name` ends; -1 for none."""
     kind, start = 0, 0
     for end in range(len(endings) + 1):
         if end == len(endings) or endings[end] == ord(" "):
@@ -482,19 +465,10 @@ def sensor_kind(name, endings):
 
 @inner
 def pack_sensors(m, instance, ids, first, bits, endings, at):
-    """Returns (FOUND, UNKNOWN or TWICE, the word with the sensors of an instance).
+    """Returns (FOUND, UNKNOWN or TWICE, the word `ids` with the sensors of an instance in it).
 
-    A sensor is unknown by its name, or there twice. It reads m_nsensor and what `sensor_name` and
-    `is_sensor_of` read.
-
-    Args:
-        m: Address of mjModel.
-        instance: Number of the instance.
-        ids: Word so far.
-        first: Place of the sensor with the first ending.
-        bits: Bits of each number.
-        endings: Endings of the names of sensors; see `sensor_kind`.
-        at: Layout of MuJoCo's structs.
+    A sensor is unknown by its name, or there twice. The one with the first of the endings gets the
+    place `first`. It reads m_nsensor and what `sensor_name` and `is_sensor_of` read.
     """
     for sensor in range(pointer_at(m + at.m_nsensor)):
         if is_sensor_of(m, sensor, instance, at):

@@ -5,25 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.benchmarks.references import integrate, reference_of
 from activesuit.hysteresis import JilesAtherton, PoleError
-from helpers import TABLE_2, assert_refused, sweep
-
-
-def eq_4(model: JilesAtherton, turns, initial=0.0):
-    """Eq. (4) as printed, by DOP853; torque at each turn."""
-    return integrate(reference_of(model, np.array(turns), initial), np.array(turns), 1e-12)
-
-
-@pytest.mark.parametrize("name", TABLE_2)
-def test_agrees_with_the_equation(table_2, name):
-    turns = (0.4, 1.1, 0.5, 0.9, 0.45, 1.2, 0.35)
-    expected = eq_4(table_2[name], turns)
-    samples = 40
-    torque = table_2[name].response(sweep(*turns, samples=samples))[:: samples - 1]
-    np.testing.assert_allclose(torque, expected, atol=2e-8)
-    # The steps are exact enough to take each branch at once.
-    np.testing.assert_allclose(table_2[name].response(turns), expected, atol=2e-7)
+from helpers import assert_refused, sweep
 
 
 def test_published_turning_torques(shoulder):

@@ -1,9 +1,11 @@
 """The derivatives of the Jiles-Atherton torque, against a complex step through eq. (4) itself."""
 
-from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.references.models import JilesAthertonReference
+from activesuit.hysteresis.jiles_atherton import PARAMETERS
 from activesuit.hysteresis.jiles_atherton.kernels import (
     population_response,
     response_and_derivatives,
@@ -20,33 +22,13 @@ def with_derivatives(angle, row, initial=0.0):
     return torque, derivatives
 
 
-def langevin(x):
-    return 1 / np.tanh(x) - 1 / x if abs(x) > 0.05 else x / 3 - x**3 / 45 + 2 * x**5 / 945
-
-
-def langevin_slope(x):
-    return 1 / x**2 - 1 / np.sinh(x) ** 2 if abs(x) > 0.05 else 1 / 3 - x**2 / 15 + 2 * x**4 / 189
-
-
-def slow_response(angle, Ms, a, alpha, c, k, initial, steps=80):
-    """Eq. (4) by the classical Runge-Kutta method, for complex parameters too."""
-
-    def rate(H, M, delta):
-        x = (H + alpha * M) / a
-        f = (Ms * langevin(x) - M) / (delta * k) + c * Ms / a * langevin_slope(x)
-        return f / (1 - alpha * f)
-
-    torque = [initial]
-    for start, end in pairwise(angle):
-        h, delta, M = (end - start) / steps, np.sign(end - start), torque[-1]
-        for H in start + h * np.arange(steps):
-            k1 = rate(H, M, delta)
-            k2 = rate(H + h / 2, M + h / 2 * k1, delta)
-            k3 = rate(H + h / 2, M + h / 2 * k2, delta)
-            k4 = rate(H + h, M + h * k3, delta)
-            M = M + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        torque.append(M)
-    return np.array(torque)
+def slow_response(angle, *numbers):
+    """The readable model at angles in degrees, for complex parameters and a complex start too."""
+    *row, initial = numbers
+    model = SimpleNamespace(**dict(zip(PARAMETERS, row, strict=True)), angle_unit="deg")
+    reference = JilesAthertonReference(model, np.radians(angle), 0.0)
+    reference.torque = initial
+    return np.array([initial, *map(reference.move, np.radians(angle[1:]))])
 
 
 @pytest.mark.parametrize("name", TABLE_2)

@@ -80,13 +80,6 @@ def test_agrees_with_single_relays(path, seed):
     balanced(model, path)
 
 
-def test_a_closed_loop_stores_nothing():
-    done, stored, dissipated = ledger(random_model(2), [0.1, 1.8, 0.4, 1.5, 0.4, 1.5])
-    assert stored[5] == pytest.approx(stored[3], abs=1e-13)
-    assert done[5] - done[3] == pytest.approx(dissipated[5] - dissipated[3], abs=1e-13)
-    assert dissipated[5] - dissipated[3] > 0.1
-
-
 @given(path=paths, turn=angles, inner=st.lists(st.floats(0, 1), max_size=12), tail=paths)
 @settings(deadline=None)
 def test_a_closed_loop_leaves_no_trace(path, turn, inner, tail):

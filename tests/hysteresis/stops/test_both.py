@@ -86,27 +86,6 @@ def test_the_torque_bound_holds(model, path):
         assert np.abs(torque - elastic).max() <= certificate.memory_bound * (1 + 1e-12) + 1e-13
 
 
-SIMPLE = {"stiffness": 1.0, "thresholds": [0.1, 0.3], "weights": [5.0, 2.0], "rest_angle": 0.2}
-KINDS = (
-    PrandtlIshlinskii(**SIMPLE),
-    PrandtlIshlinskii(**SIMPLE, operator="play"),
-    HingedStops(**SIMPLE, knots=[-0.5, 1.0], slopes=[0.5, 1.0, 2.0], offset=0.25),
-)
-
-
-def test_tangent_is_the_slope_up_to_the_next_knee():
-    for model in KINDS:
-        for seed in range(10):
-            path = 0.2 + 0.4 * np.random.default_rng(seed).standard_normal(9)
-            state, operators = run(model, path)[-1], resting(model, path[0])
-            for angle in path[1:]:
-                operators.move(angle)
-            for far in (-5.0, 5.0):
-                end = [*knees(operators, far), far][0]
-                slope = (model.step(state, end)[1] - state.torque) / (end - state.angle)
-                assert model.tangent(state, far) == pytest.approx(slope, abs=1e-9)
-
-
 def test_saturated_states_are_starts():
     many = {"stiffness": 3.3, "thresholds": np.arange(1, 21) / 30, "weights": np.full(20, 0.7)}
     for model in (

@@ -14,7 +14,6 @@ from activesuit.hysteresis import (
     Asymmetric,
     Backlash,
     Clipped,
-    JilesAtherton,
     UncertifiedModelError,
     Viscoelastic,
 )
@@ -58,12 +57,7 @@ def joints():
         polynomial=(0.3, -0.5, 0.8),
     )
     around = Viscoelastic(model=Backlash(model=bent, gap=0.05), **RATE)
-    active = {"angle_unit": "deg", "form": "original", "allow_active": True}
-    other = JilesAtherton(Ms=12, a=40, alpha=1.0, c=0.2, k=20, **active)
     found["around"] = replace(one, name="around", model=around, start_torque=0.0)
-    found["original"] = replace(
-        one, name="original", model=other, low=-1.0, high=1.0, start_torque=0.0
-    )
     return {name.replace(" ", "_").replace(",", ""): example for name, example in found.items()}
 
 
