@@ -118,12 +118,12 @@ def apart(names):
         given[name] = (case.model, case.model.start(angle, torque), angles)
         expected[name] = torques(case, angles, angle, torque)
     found = run_in_c(given)
-    for kind in TOLERANCE:
+    for kind, allowed in TOLERANCE.items():
         for name, (model, start, _) in given.items():
             one = found[kind][name]
             difference = np.abs(one.torque - expected[name]).max() / np.abs(expected[name]).max()
             same_state = one.state == Header("x").model("as_joint", model, start)
-            if not (difference <= TOLERANCE[kind] and same_state):
+            if not (difference <= allowed and same_state):
                 yield name, kind, difference, same_state
 
 

@@ -234,8 +234,10 @@ def dissipative_models(draw):
         stiffness, up, down = 10 ** rng.uniform(-1, 1, 3)
         spring = np.append(0.0, rng.normal(size=rng.integers(0, 4)))
         model = Duhem(spring=spring, stiffness=stiffness, friction_up=up, friction_down=down)
+    elif kind == 3:
+        model = replace(draw(stops(idle=False)), rest_angle=0.0)
     else:
-        model = draw(stops(idle=False) if kind == 3 else hinged())
+        model = replace(draw(hinged()), rest_angle=0.0, offset=0.0)
     if draw(st.booleans()):
         model = Asymmetric(model=model, polynomial=rng.normal(size=3).tolist())
     return model
