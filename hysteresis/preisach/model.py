@@ -9,6 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import Array
+from ...checks import numbers
+from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import ConfigKey, HysteresisModel, Numbers
 from . import kernels
@@ -74,6 +76,8 @@ class Preisach(HysteresisModel):
     elastic: Numbers = ()
 
     def __post_init__(self) -> None:
+        if len(numbers("levels", self.levels, "rad")) < 2:
+            raise InputError(f"levels is {shown(self.levels)}: give at least 2 angles (rad)")
         super().__post_init__()
         if not self.elastic:
             object.__setattr__(self, "elastic", (0.0,) * len(self.density))
