@@ -17,7 +17,6 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -105,7 +104,7 @@ class Header:
         inner = f"{name}_{identifier(model.model.name)}"
         size = model.model.memory_size
         state = self._layer(inner, model.model, memory[:size])
-        self.table(f"{name}_p", _numbers(model))
+        self.table(f"{name}_p", model.given)
         if size < len(memory):
             self.table(f"{name}_start", memory[size:])
         code = self._read(source).replace("LAYER_", f"{name}_").replace("INNER_", f"{inner}_")
@@ -163,7 +162,7 @@ def numbers(model: HysteresisModel, memory: Sequence[float]) -> list[float]:
     """
     if isinstance(model, Wrapper):
         size = model.model.memory_size
-        return [*numbers(model.model, memory[:size]), *_numbers(model), *memory[size:]]
+        return [*numbers(model.model, memory[:size]), *model.given, *memory[size:]]
     return [*model.parameter_vector.tolist(), *memory]
 
 
@@ -187,7 +186,7 @@ def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Ar
         state, torque[i] = model.step(state, to)
     if isinstance(model, Viscoelastic):
         element = np.empty(len(angle))
-        viscoelastic_kernels.follow(model.begun(), dt * np.arange(len(angle)), angle, element)
+        viscoelastic_kernels.follow(model.numbers, dt * np.arange(len(angle)), angle, element)
         torque += element + model.damping * np.diff(angle, prepend=angle[:1]) / dt
     return torque
 
@@ -226,13 +225,6 @@ def parameters(model: HysteresisModel) -> list[str]:
                 subsequent_indent="      ",
             )
     return lines + (parameters(model.model) if isinstance(model, Wrapper) else [])
-
-
-def _numbers(model: Wrapper) -> list[float]:
-    """Returns the parameters that a model adds to the one inside, end to end."""
-    content: dict[str, Any] = model.to_dict()
-    own = (value for name, value in content.items() if name not in ("model", "hysteresis"))
-    return [float(number) for value in own for number in np.ravel(value)]
 
 
 def literal(value: float) -> str:

@@ -1,4 +1,18 @@
-"""`HysteresisModel`, the protocol of every hysteresis model over its compiled kernels."""
+"""`HysteresisModel`, the protocol of every hysteresis model over its compiled kernels.
+
+The torque depends on the order of the angles, not on time or on the number of samples: `step` gives
+the torques of `response` to the last bit, and so does the engine.
+
+    model = BoucWen(elastic=3, hysteretic=9, beta=4, gamma=1, n=1.5)
+    torque = model.response([0.0, 0.8, 0.3])  # N·m at angles in rad, from 0 N·m on
+    state = model.start(0.0)
+    for angle in (0.8, 0.3):
+        state, last = model.step(state, angle)  # last == torque[1], then torque[2]
+    lost = model.energy(state).dissipated
+
+A model and a `State` never change: `step` returns a new state, and the old one can be continued in
+another way. Only `advance` moves memories in place.
+"""
 
 import math
 import zlib
@@ -6,17 +20,18 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
-from ..checks import number, scales
-from ..errors import InputError
+from ..checks import number, numbers, scales
+from ..errors import InputError, shown
 from .certificate import ALL_ANGLES, Certificate, PoleError
 
 Numbers = Sequence[float] | Array
@@ -43,17 +58,39 @@ class ConfigKey:
 
     Attributes:
         name: Name of the key in MJCF.
-        kind: Kind of its value: one "number", a "list" of numbers with blanks between them, or one
-            "word" of `words`.
+        kind: Kind of its value: one "number", a "list" of numbers with blanks between them, "rows"
+            of 1, 2, 3 ... numbers, which are end to end in MJCF, or one "word" of `words`.
         words: Words that are allowed; a kernel gets the position of the given word among them.
         optional: Whether the key may be left out. A number is 0 then, a list is empty, and a word
             is the first of `words`.
     """
 
     name: str
-    kind: Literal["number", "list", "word"] = "number"
+    kind: Literal["number", "list", "rows", "word"] = "number"
     words: tuple[str, ...] = ()
     optional: bool = False
+
+    def checked(self, value: Any, unit: str) -> Any:
+        """Returns a value of the key as a model keeps it: finite floats, or the word."""
+        if self.kind == "number":
+            return number(self.name, value, unit)
+        if self.kind == "word":
+            if not isinstance(value, str) or value not in self.words:
+                choices = " or ".join(map(repr, self.words))
+                raise InputError(f"{self.name} is {shown(value)}: use {choices}")
+            return value
+        if self.kind == "list":
+            empty = self.optional and np.size(value) == 0
+            return () if empty else numbers(self.name, value, unit)
+        rows = tuple(value) if np.iterable(value) else ()
+        for i, row in enumerate(rows):
+            if len(numbers(f"{self.name}[{i}]", row, unit)) != i + 1:
+                raise InputError(f"{self.name}[{i}] has {len(row)} numbers: give {i + 1}")
+        return tuple(numbers(self.name, row, unit) for row in rows)
+
+    def flat(self, value: Any) -> Any:
+        """Returns a value of the key as MJCF has it: a number, a word or one list."""
+        return [*chain(*value)] if self.kind == "rows" else value
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,9 +132,18 @@ class Energy(NamedTuple):
 class HysteresisModel(ABC):
     """Resistance [N·m] of a joint that depends on the order of its angles [rad], not on time.
 
-    A model is a frozen dataclass of its parameters. It names a module of kernels, plain numba
-    functions over a parameter vector p and a memory s = [angle, torque, loss, ...]:
+    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. It names a module of
+    kernels, plain numba functions over a parameter vector p and a memory s = [angle, torque, loss,
+    ...], from which this class derives all methods but `certificate`:
 
+        complaint(values, ends)                 (0, 0), or the number of a complaint about the
+                                                values of all keys, end to end, and of the key that
+                                                it is about; Python runs it uncompiled
+        COMPLAINTS                              those complaints, as bytes; the first is empty
+        configure(values, ends, p)              fills p from the same values
+        size(counts)                            how many numbers s and p have together, if the keys
+                                                have so many values
+        memory_size(total)                      how many of these are the memory's
         begin(p, s, angle, torque)              fills s; returns how far the start is inside what
                                                 the certificate covers: < 0 outside, NaN if the
                                                 model cannot have that torque there
@@ -108,23 +154,12 @@ class HysteresisModel(ABC):
         stiffness(p, s, angle, torque, delta)   slope there if the motion goes on with sign delta
         stored(p, s, angle, torque, loss)       the energy stored there
         dissipated(p, s, angle, torque, loss)   the energy dissipated from the start to there
-        MEMORY_SIZE                             how many numbers s has, for all parameters
-
-    The engine plugin calls the same kernels, so a simulation and `response` agree to the last bit.
-    It reads the parameters from MJCF, where their names are `config_keys`, and needs these members
-    of the module too:
-
-        size(counts)                            how many numbers s and p have together, if the keys
-                                                have so many values
-        memory_size(total)                      how many of these are the memory's
-        configure(values, ends, p)              fills p from the values of all keys, end to end;
-                                                returns (0, 0), or the number of a complaint and of
-                                                the key that it is about
-        COMPLAINTS                              those complaints, as bytes; the first is empty
         certify(p, s, inside, low, high)        (is certified between two angles, how far inside
                                                 the start s is), given what `begin` returned
         is_sound(p)                             whether the kernels can rely on p, which a user can
                                                 overwrite in a saved state
+
+    The engine plugin calls the same kernels, so a simulation and `response` agree to the last bit.
     """
 
     name: ClassVar[str]
@@ -137,20 +172,46 @@ class HysteresisModel(ABC):
     units: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Units of the parameters in `to_dict`, by name; a pure number has no entry."""
 
+    def __post_init__(self) -> None:
+        for key in self.config_keys:
+            unit = self.units.get(key.name, "")
+            object.__setattr__(self, key.name, key.checked(getattr(self, key.name), unit))
+        number_of, key = self.kernels.complaint.py_func(*self._values(HysteresisModel.config(self)))
+        if number_of:
+            name, words = self.config_keys[key].name, self.kernels.COMPLAINTS[number_of].decode()
+            unit = f" {self.units[name]}" if name in self.units else ""
+            raise InputError(f"{name} is {shown(getattr(self, name))}{unit}: {words}")
+
     @cached_property
-    @abstractmethod
     def parameter_vector(self) -> Array:
         """The parameters as the kernels read them: radians and N·m, read-only."""
+        values, ends = self._values(self.config())
+        p = np.empty(self._size(ends) - self.memory_size)
+        self.kernels.configure(values, ends, p)
+        return read_only(p)
 
     @cached_property
     def _parameters(self) -> Array:
         """The same, writable as MuJoCo's memory: kernels compile anew for read-only arrays."""
         return self.parameter_vector.copy()
 
-    @property
+    @cached_property
     def memory_size(self) -> int:
         """How many numbers the memory holds."""
-        return self.kernels.MEMORY_SIZE
+        _, ends = self._values(self.config())
+        return int(self.kernels.memory_size.py_func(self._size(ends)))
+
+    def _values(self, config: Mapping[str, Any]) -> tuple[Array, NDArray[np.int64]]:
+        """Returns the values of all keys, end to end, and where those of each key end."""
+        parts = [
+            np.atleast_1d(key.words.index(config[key.name]) if key.words else config[key.name])
+            for key in self.config_keys
+        ]
+        ends = np.cumsum([part.size for part in parts])
+        return np.concatenate(parts).astype(np.float64), ends.astype(np.int64)
+
+    def _size(self, ends: NDArray[np.int64]) -> int:
+        return int(self.kernels.size.py_func(np.diff(ends, prepend=0)))
 
     @abstractmethod
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
@@ -189,7 +250,7 @@ class HysteresisModel(ABC):
 
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them: a number, a text or a list for each key."""
-        return {key.name: getattr(self, key.name) for key in self.config_keys}
+        return {key.name: key.flat(getattr(self, key.name)) for key in self.config_keys}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
@@ -213,8 +274,8 @@ class HysteresisModel(ABC):
             PoleError: The motion meets the pole of an uncertified model.
         """
         angle = finite_series("angle", angle, "rad")
-        memory = self.start(angle[0], initial_torque).memory.copy()
-        torque = self._follow(memory, angle, float(initial_torque))
+        state = self.start(angle[0], initial_torque)
+        torque = self._follow(state.memory.copy(), angle, state.torque)
         if np.isnan(torque[-1]):
             last = int(np.flatnonzero(np.isnan(torque))[0])
             raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
@@ -222,23 +283,25 @@ class HysteresisModel(ABC):
 
     def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
         """Moves a memory on, in place; returns the torque at each angle [N·m], NaN from a pole."""
-        del torque  # the memory has it
+        del torque  # that at the first angle, which the memory has too
         torques = np.empty_like(angles)
         responder(self.kernels)(self._parameters, memory, angles, torques)
         return torques
 
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        number("angle", angle, "rad")
-        number("initial torque", torque, "N·m")
+        angle, torque = number("angle", angle, "rad"), number("initial torque", torque, "N·m")
+        return State(read_only(self._begin(angle, torque)), angle, torque)
+
+    def _begin(self, angle: float, torque: float) -> Array:
+        """Returns the memory of a motion that begins at `angle` [rad] with a torque [N·m]."""
         memory = np.zeros(self.memory_size)
-        inside = self.kernels.begin(self._parameters, memory, float(angle), float(torque))
-        if math.isnan(inside):
+        if math.isnan(self.kernels.begin(self._parameters, memory, angle, torque)):
             raise InputError(
                 f"initial torque is {torque:.6g} N·m at {angle:.6g} rad: this {self.name} model "
                 "cannot have that torque there; start nearer to 0 N·m"
             )
-        return _state(memory, memory[1])
+        return memory
 
     def start_is_certified(self, state: State) -> bool:
         """Returns whether the certificate covers motions that start in `state`."""
@@ -265,12 +328,20 @@ class HysteresisModel(ABC):
             InputError: `angle` is not finite.
             PoleError: The motion meets the pole of an uncertified model.
         """
-        number("angle", angle, "rad")
-        p, memory = self._parameters, state.memory.copy()
-        torque = self.kernels.commit(p, memory, float(angle))
+        angle = number("angle", angle, "rad")
+        if angle == state.angle:
+            return state, state.torque
+        memory = state.memory.copy()
+        torque = float(self._move(memory, state, angle))
         if math.isnan(torque):
             raise self._pole(state.angle, angle)
-        return _state(memory, torque), float(torque)
+        memory.setflags(write=False)
+        return State(memory, angle, torque), torque
+
+    def _move(self, memory: Array, state: State, angle: float) -> float:
+        """Moves the memory of a state on, in place; returns the torque [N·m], NaN at a pole."""
+        del state
+        return self.kernels.commit(self._parameters, memory, angle)
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory that takes the place of one of another model of this class and size.
@@ -356,7 +427,7 @@ class HysteresisModel(ABC):
         Each model chooses the state in which its stored energy is zero; only differences matter.
         Stored plus dissipated energy changes by exactly the work done on the model. If the
         certificate says `dissipative`, the dissipated part never decreases (by more than the
-        tolerance of a step, for Jiles-Atherton 1e-9 k Ms).
+        tolerance of a step: for Jiles-Atherton 1e-9 k Ms with k in radians).
         """
         s = state.memory.copy()
         there = (self._parameters, s, s[0], s[1], 0.0)
@@ -522,8 +593,3 @@ def read_only(values: ArrayLike) -> Array:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
-
-
-def _state(memory: Array, torque: float) -> State:
-    memory.setflags(write=False)
-    return State(memory, float(memory[0]), float(torque))

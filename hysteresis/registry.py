@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Mapping
+from types import ModuleType
 from typing import Any
 
 from ..errors import InputError, shown, unknown_name
@@ -31,6 +32,11 @@ MODELS: dict[str, type[HysteresisModel]] = {
 }
 
 
+KERNELS = (
+    "COMPLAINTS complaint configure size memory_size begin move commit stiffness stored dissipated "
+    "certify is_sound"
+).split()
+"""What a module of kernels has; see `HysteresisModel`."""
 OLD_NAMES = {"held": Clipped.name}
 """Names of models in files of version 0.2, which are read."""
 
@@ -49,6 +55,9 @@ def register_model(model: type[HysteresisModel]) -> None:
         raise InputError(f"model is {model!r}: give a class derived from HysteresisModel")
     missing = sorted(getattr(model, "__abstractmethods__", ()))
     missing += [name for name in ("name", "kernels") if not hasattr(model, name)]
+    kernels = getattr(model, "kernels", None)
+    if isinstance(kernels, ModuleType):
+        missing += [f"kernels.{one}" for one in KERNELS if not hasattr(kernels, one)]
     if missing:
         raise InputError(f"model {model.__name__} lacks {', '.join(missing)}: define that")
     if MODELS.get(model.name, model) is not model:

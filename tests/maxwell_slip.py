@@ -6,8 +6,7 @@ It is written as a user would write it, with its kernels in the same module.
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from functools import cached_property
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -75,12 +74,16 @@ def memory_size(total):
 
 
 @njit(cache=True)
-def configure(values, ends, p):
+def complaint(values, ends):
     for i in (1, 2):
         if not values[i] > 0:
             return NOT_POSITIVE, i
-    p[:] = values
     return FINE, 0
+
+
+@njit(cache=True)
+def configure(values, ends, p):
+    p[:] = values
 
 
 @njit(cache=True)
@@ -100,30 +103,16 @@ class MaxwellSlip(HysteresisModel):
     config_keys: ClassVar[tuple[ConfigKey, ...]] = tuple(
         map(ConfigKey, ("elastic", "spring", "limit"))
     )
-    memory_size: ClassVar[int] = 4
-    free_parameters: ClassVar[int] = 3
+    units: ClassVar[dict] = {"elastic": "N·m/rad", "spring": "N·m/rad", "limit": "N·m"}
 
     elastic: float
     spring: float
     limit: float
 
-    @cached_property
-    def parameter_vector(self):
-        return np.array([self.elastic, self.spring, self.limit])
-
     def certificate(self, angle_range=(-math.inf, math.inf)):
         return Certificate(
             margin=1.0, dissipative=True, torque_bound=math.inf, angle_range=tuple(angle_range)
         )
-
-    def scaled(self, *, torque=1.0, angle=1.0):
-        factor = torque / angle
-        return MaxwellSlip(
-            elastic=self.elastic * factor, spring=self.spring * factor, limit=self.limit * torque
-        )
-
-    def to_dict(self):
-        return {"model": self.name, **asdict(self)}
 
 
 def fit_maxwell_slip(curves: Sequence) -> MaxwellSlip:

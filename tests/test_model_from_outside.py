@@ -1,6 +1,7 @@
 """A hysteresis model from outside the package: fit, suit file, engine, command line."""
 
 import json
+import math
 
 import mujoco
 import numpy as np
@@ -152,6 +153,7 @@ def test_what_is_no_model_is_refused():
         (dict, "give a class derived from HysteresisModel"),
         (Nameless, "model Nameless lacks certificate, name, kernels: define that"),
         (type("Other", (MaxwellSlip,), {}), "there is another model 'maxwell-slip'"),
+        (type("Part", (MaxwellSlip,), {"kernels": math}), "lacks kernels.COMPLAINTS, kernels.com"),
     ):
         with pytest.raises(InputError, match=message):
             register_model(wrong)

@@ -58,11 +58,11 @@ class JilesAthertonReference(Reference):
 
 
 def langevin(x: float) -> tuple[float, float]:
-    """Returns L(x) = coth x - 1/x and L'(x); the series near 0, where the closed forms cancel."""
+    """Returns L(x) = coth x - 1/x and L'(x), also of complex x; near 0 the closed forms cancel."""
     if abs(x) < 0.05:
         L = x / 3 - x**3 / 45 + 2 * x**5 / 945 - x**7 / 4725
         return L, 1 / 3 - x**2 / 15 + 2 * x**4 / 189 - x**6 / 675
-    return 1 / math.tanh(x) - 1 / x, 1 / x**2 - 1 / math.sinh(x) ** 2
+    return 1 / np.tanh(x) - 1 / x, 1 / x**2 - 1 / np.sinh(x) ** 2
 
 
 _JILES_ATHERTON = tuple(

@@ -4,7 +4,16 @@
 `Backlash` adds play, and `Viscoelastic` adds a torque that depends on the rate.
 """
 
-from .models import Asymmetric, Backlash, Clipped, Viscoelastic, Wrapper, sprung, without_rate
+from .models import (
+    Asymmetric,
+    Backlash,
+    Clipped,
+    Viscoelastic,
+    Wrapper,
+    parts,
+    sprung,
+    without_rate,
+)
 
 __all__ = [
     "Asymmetric",
@@ -12,6 +21,7 @@ __all__ = [
     "Clipped",
     "Viscoelastic",
     "Wrapper",
+    "parts",
     "sprung",
     "without_rate",
 ]

@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import polynomial as poly
@@ -26,7 +26,6 @@ from ..protocol import (
     Numbers,
     State,
     finite_series,
-    read_only,
 )
 from . import backlash_kernels as backlash
 from . import viscoelastic_kernels as viscoelastic
@@ -40,10 +39,25 @@ class Wrapper(HysteresisModel):
         model: Inner model.
     """
 
+    place: ClassVar[str]
+    """Config key in MJCF, and the field of `Parts`, that has its numbers."""
+    remembered: ClassVar[int] = 0
+    """How many numbers the class remembers in a state of the engine."""
     c_state: ClassVar[int] = 0
     """How many numbers the class adds to the state in C."""
 
     model: HysteresisModel
+
+    @property
+    def given(self) -> list[float]:
+        """The numbers that a user gives, those of all parameters end to end."""
+        return np.concatenate([np.ravel(getattr(self, name)) for name in self.units]).tolist()
+
+    @property
+    def numbers(self) -> Array:
+        """The same, and zeros for the numbers that the class remembers in a state of the engine."""
+        given = self.given
+        return np.array([*given, *[0.0] * self.remembered])
 
     @property
     def kernels(self) -> ModuleType:  # type: ignore[override]
@@ -56,7 +70,7 @@ class Wrapper(HysteresisModel):
         return self.model.parameter_vector
 
     @property
-    def memory_size(self) -> int:
+    def memory_size(self) -> int:  # type: ignore[override]
         """How many numbers the memory holds, which is that of the inner model."""
         return self.model.memory_size
 
@@ -65,13 +79,20 @@ class Wrapper(HysteresisModel):
         """File with what this class adds to the inner model in C99, NAME.c beside the class."""
         return Path(str(sys.modules[type(self).__module__].__file__)).with_name(f"{self.name}.c")
 
-    def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        return self.model.start(angle, torque)
+    def _check_inside(self, *allowed: type["Wrapper"], words: str) -> None:
+        """Checks that the model inside is a bare one, or one of some wrappers."""
+        refused = isinstance(self.model, Wrapper) and not isinstance(self.model, allowed)
+        if not isinstance(self.model, HysteresisModel) or refused:
+            raise InputError(f"model is {shown(self.model)}: give one {words}")
 
-    def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit."""
-        return self.model.step(state, angle)
+    def _begin(self, angle: float, torque: float) -> Array:
+        return self.model._begin(angle, torque)
+
+    def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
+        return self.model._follow(memory, angles, torque)
+
+    def _move(self, memory: Array, state: State, angle: float) -> float:
+        return self.model._move(memory, state, angle)
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
         """Moves many memories on, in place; see `HysteresisModel.advance`."""
@@ -83,7 +104,7 @@ class Wrapper(HysteresisModel):
 
     def energy(self, state: State) -> Energy:
         """Returns the energy that the inner model has stored and dissipated [J]."""
-        return self.model.energy(state)
+        return self.model.energy(self._inner(state))
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory in place of another model's; see `HysteresisModel.carry_over`."""
@@ -91,7 +112,11 @@ class Wrapper(HysteresisModel):
 
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
-        return self.model.anhysteretic(state)
+        return self.model.anhysteretic(self._inner(state))
+
+    def _inner(self, state: State) -> State:
+        """Returns the state of the inner model."""
+        return state
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> Self:
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
@@ -135,36 +160,27 @@ class Clipped(Wrapper):
     """
 
     name = "clipped"
+    place = "angle_range"
     not_fitted: ClassVar[tuple[str, ...]] = ("angle_range",)
     units: ClassVar[Mapping[str, str]] = {"angle_range": "rad"}
 
     angle_range: tuple[float, float]
 
     def __post_init__(self) -> None:
-        if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Wrapper):
-            raise InputError(
-                f"model is {shown(self.model)}: give one hysteresis model without another around it"
-            )
+        self._check_inside(words="hysteresis model without another around it")
         low, high = checked_range(self.angle_range)
         if not math.isfinite(high - low):
             raise InputError(f"angle_range is {self.angle_range}: give two finite angles (rad)")
         object.__setattr__(self, "angle_range", (low, high))
 
-    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
-        """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
-        angle = finite_series("angle", angle, "rad")
-        return self.model.response(np.clip(angle, *self.angle_range), initial_torque)
+    def _begin(self, angle: float, torque: float) -> Array:
+        return self.model._begin(self._inside(angle), torque)
 
-    def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        number("angle", angle, "rad")
-        return replace(self.model.start(self._inside(angle), torque), angle=float(angle))
+    def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
+        return self.model._follow(memory, np.clip(angles, *self.angle_range), torque)
 
-    def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit."""
-        number("angle", angle, "rad")
-        inner, torque = self.model.step(state, self._inside(angle))
-        return replace(inner, angle=float(angle)), torque
+    def _move(self, memory: Array, state: State, angle: float) -> float:
+        return self.model._move(memory, state, self._inside(angle))
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory in place of another model's, with a torque that is certified here."""
@@ -197,7 +213,7 @@ class Clipped(Wrapper):
         return replace(self.model.certificate(self.angle_range), angle_range=asked)
 
     def _inside(self, angle: float) -> float:
-        return min(max(float(angle), self.angle_range[0]), self.angle_range[1])
+        return min(max(angle, self.angle_range[0]), self.angle_range[1])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,16 +233,13 @@ class Asymmetric(Wrapper):
     """
 
     name = "asymmetric"
+    place = "polynomial"
     units: ClassVar[Mapping[str, str]] = {"polynomial": POLYNOMIAL}
 
     polynomial: Numbers
 
     def __post_init__(self) -> None:
-        wrapped = isinstance(self.model, Wrapper) and not isinstance(self.model, Clipped)
-        if not isinstance(self.model, HysteresisModel) or wrapped:
-            raise InputError(
-                f"model is {shown(self.model)}: give one hysteresis model, bare or `Clipped`"
-            )
+        self._check_inside(Clipped, words="hysteresis model, bare or `Clipped`")
         object.__setattr__(self, "polynomial", coefficients("polynomial", self.polynomial))
 
     def elastic(self, angle: ArrayLike) -> Array:
@@ -234,29 +247,17 @@ class Asymmetric(Wrapper):
         angles = np.asarray(angle, dtype=np.float64)
         return np.asarray(poly.polyval(angles, np.array(self.polynomial)), dtype=np.float64)
 
-    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
-        """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
-        angle = finite_series("angle", angle, "rad")
-        number("initial torque", initial_torque, "N·m")
-        elastic = self.elastic(angle)
-        torque = self.model.response(angle, initial_torque - elastic[0]) + elastic
-        torque[0] = initial_torque
-        return torque
+    def _begin(self, angle: float, torque: float) -> Array:
+        return self.model._begin(angle, torque - float(self.elastic(angle)))
 
-    def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        number("angle", angle, "rad")
-        number("initial torque", torque, "N·m")
-        inner = self.model.start(angle, torque - float(self.elastic(angle)))
-        return replace(inner, torque=float(torque))
+    def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
+        elastic = self.elastic(angles)
+        torques = self.model._follow(memory, angles, torque - elastic[0]) + elastic
+        torques[0] = torque
+        return torques
 
-    def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit."""
-        inner, torque = self.model.step(state, angle)
-        torque += float(self.elastic(angle))
-        if angle == state.angle:
-            torque = state.torque
-        return replace(inner, torque=torque), torque
+    def _move(self, memory: Array, state: State, angle: float) -> float:
+        return self.model._move(memory, state, angle) + float(self.elastic(angle))
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
         """Moves many memories on, in place; see `HysteresisModel.advance`."""
@@ -334,6 +335,8 @@ class Backlash(Wrapper):
     """
 
     name = "backlash"
+    place = "gap"
+    remembered = backlash.SIZE - backlash.END
     least: ClassVar = MappingProxyType({"gap": 0.0})
     units: ClassVar[Mapping[str, str]] = {"gap": "rad"}
     c_state: ClassVar[int] = 2
@@ -341,32 +344,28 @@ class Backlash(Wrapper):
     gap: float
 
     def __post_init__(self) -> None:
-        inside = (Asymmetric, Clipped)
-        refused = isinstance(self.model, Wrapper) and not isinstance(self.model, inside)
-        if not isinstance(self.model, HysteresisModel) or refused:
-            raise InputError(
-                f"model is {shown(self.model)}: give one model, bare, `Clipped` or `Asymmetric`; "
-                "put a dashpot around the play, not behind it"
-            )
+        words = "model, bare, `Clipped` or `Asymmetric`; put a dashpot around the play, not behind"
+        self._check_inside(Asymmetric, Clipped, words=f"{words} it")
         gap = number("gap", self.gap, "rad")
         if gap <= 0:
             raise InputError(f"gap is {gap:g} rad: give an angle above 0, or the model without it")
         object.__setattr__(self, "gap", gap)
 
     @property
-    def memory_size(self) -> int:
+    def memory_size(self) -> int:  # type: ignore[override]
         """How many numbers the memory holds: that of the inner model, and the suit's angle."""
         return self.model.memory_size + 1
 
     @cached_property
     def _around(self) -> tuple[Array, Array]:
         """Polynomial and range of the inner model, as the kernels have them."""
-        model, polynomial, limits = self.model, np.empty(0), np.empty(0)
-        if isinstance(model, Asymmetric):
-            model, polynomial = model.model, np.array(model.polynomial)
-        if isinstance(model, Clipped):
-            limits = np.array(model.angle_range)
-        return polynomial, limits
+        around = parts(self.model)
+        return around.polynomial, around.angle_range
+
+    def _begin(self, angle: float, torque: float) -> Array:
+        """Begins in contact at a resistance [N·m]; without one in the middle of the gap."""
+        end = backlash.begun(self.gap, angle, torque)
+        return np.append(self.model._begin(end, torque), end)
 
     def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
         play, torques = np.array([self.gap, memory[-1]]), np.empty(angles.size)
@@ -376,22 +375,8 @@ class Backlash(Wrapper):
         memory[-1] = play[backlash.END]
         return torques
 
-    def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins in contact at a resistance [N·m]; without one in the middle of the gap."""
-        number("angle", angle, "rad")
-        number("initial torque", torque, "N·m")
-        end = backlash.begun(self.gap, float(angle), float(torque))
-        inner = self.model.start(end, torque)
-        return State(read_only([*inner.memory, end]), float(angle), float(torque))
-
-    def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit."""
-        number("angle", angle, "rad")
-        memory = state.memory.copy()
-        torque = float(self._follow(memory, np.array([state.angle, angle]), state.torque)[1])
-        if math.isnan(torque):
-            raise self._pole(state.angle, angle)
-        return State(read_only(memory), float(angle), torque), torque
+    def _move(self, memory: Array, state: State, angle: float) -> float:
+        return float(self._follow(memory, np.array([state.angle, angle]), state.torque)[1])
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory in place of another model's; the suit's side keeps its angle."""
@@ -413,20 +398,14 @@ class Backlash(Wrapper):
         """Returns the state of the model inside, at the angle of the suit's side [rad]."""
         return State(state.memory[:-1], float(state.memory[-1]), state.torque)
 
+    _inner = suit_state
+
     def tangent(self, state: State, direction: float) -> float:
         """Returns the stiffness [N·m/rad] with which a motion goes on; 0 where it is free."""
         end, delta = state.memory[-1], math.copysign(1.0, direction)
         if backlash.is_free(state.torque, np.array([self.gap, end]), end, state.angle, delta):
             return 0.0
         return self.model.tangent(self.suit_state(state), direction)
-
-    def energy(self, state: State) -> Energy:
-        """Returns stored and dissipated energy of the inner model [J]; the gap does neither."""
-        return self.model.energy(self.suit_state(state))
-
-    def anhysteretic(self, state: State) -> float | None:
-        """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
-        return self.model.anhysteretic(self.suit_state(state))
 
     def start_is_certified(self, state: State) -> bool:
         """Returns whether the certificate covers motions that start in `state`."""
@@ -466,6 +445,8 @@ class Viscoelastic(Wrapper):
     """
 
     name = "viscoelastic"
+    place = "viscoelastic"
+    remembered = viscoelastic.SIZE - viscoelastic.NUMBERS
     least: ClassVar = MappingProxyType(
         {"damping": 0.0, "relaxation_stiffness": 0.0, "relaxation_time": 0.0}
     )
@@ -481,10 +462,8 @@ class Viscoelastic(Wrapper):
     relaxation_time: float = 0.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Viscoelastic):
-            raise InputError(
-                f"model is {shown(self.model)}: give one hysteresis model, not viscoelastic itself"
-            )
+        words = "hysteresis model, not viscoelastic itself"
+        self._check_inside(Asymmetric, Backlash, Clipped, words=words)
         for name in self.least:
             value = number(name, getattr(self, name), self.units[name])
             if value < 0:
@@ -515,8 +494,7 @@ class Viscoelastic(Wrapper):
                 many as the angles.
             PoleError: The motion meets the pole of an uncertified model.
         """
-        angle = finite_series("angle", angle, "rad")
-        torque = self.model.response(angle, initial_torque)
+        torque = super().response(angle, initial_torque)
         return torque if time is None else torque + self.rate_torque(angle, time)
 
     def rate_torque(self, angle: ArrayLike, time: ArrayLike) -> Array:
@@ -536,15 +514,8 @@ class Viscoelastic(Wrapper):
                 "ascending times"
             )
         torque = np.empty_like(angle)
-        viscoelastic.follow(self.begun(), time, angle, torque)
+        viscoelastic.follow(self.numbers, time, angle, torque)
         return torque + (self.damping * np.gradient(angle, time) if angle.size > 1 else 0.0)
-
-    def begun(self) -> Array:
-        """Returns parameters and memory of both relaxed elements, as the kernels have them."""
-        rate = np.zeros(viscoelastic.SIZE)
-        given = self.damping, self.relaxation_stiffness, self.relaxation_time
-        rate[: viscoelastic.NUMBERS] = given
-        return rate
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Returns the certificate of the model, with a larger torque bound.
@@ -570,3 +541,25 @@ class Viscoelastic(Wrapper):
 def without_rate(model: HysteresisModel) -> HysteresisModel:
     """Returns the model beside the dashpot, or the model itself where there is none."""
     return model.model if isinstance(model, Viscoelastic) else model
+
+
+class Parts(NamedTuple):
+    """A model without those around it, and the numbers of each of these, none if it is not there.
+
+    The numbers stand in this order in a state of the engine, under these names in MJCF.
+    """
+
+    bare: HysteresisModel
+    polynomial: Array
+    angle_range: Array
+    viscoelastic: Array
+    gap: Array
+
+
+def parts(model: HysteresisModel) -> Parts:
+    """Splits a model into the innermost one and the numbers of those around it."""
+    around = {}
+    while isinstance(model, Wrapper):
+        around[model.place] = model.numbers
+        model = model.model
+    return Parts(model, *(around.get(name, np.empty(0)) for name in Parts._fields[1:]))

@@ -33,17 +33,6 @@ ROUNDING = 1e-9  # share of z by which rounding may lift a saturated start above
 
 
 @njit(cache=True, error_model="numpy")
-def set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle):
-    """Fills p with the parameters, and the scale and sign of both branches."""
-    p[ELASTIC], p[HYSTERETIC], p[REST], p[SLOPE], p[POWER] = elastic, hysteretic, rest_angle, A, n
-    for at, curvature in ((LOADING_SCALE, beta + gamma), (UNLOADING_SCALE, gamma - beta)):
-        ratio = A / abs(curvature) if curvature != 0 else math.inf
-        # A curvature too small for a finite ratio counts as 0.
-        p[at] = ratio ** (1 / n) if ratio < math.inf else 1.0
-        p[at + 1] = math.copysign(1.0, curvature) if ratio < math.inf else 0.0
-
-
-@njit(cache=True, error_model="numpy")
 def move(p, s, angle):
     """Returns torque, loss and z after a monotone motion to another angle; NaN past a pole."""
     tau = abs(angle - s[ANGLE])
@@ -165,14 +154,25 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from elastic, hysteretic, A, beta, gamma, n and the rest angle."""
-    elastic, hysteretic, A, beta, gamma, n, rest_angle = values
+def complaint(values, ends):
+    """Returns what is wrong with elastic, hysteretic, A, beta, gamma, n and the rest angle."""
+    _, hysteretic, A, _, _, n, _ = values
     if hysteretic == 0:
         return NOT_ZERO, 1
     if not A > 0:
         return POSITIVE, 2
     if not 1 <= n <= LARGEST_POWER:
         return FROM_1_TO_1E6, 5
-    set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle)
     return FINE, 0
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p with the values of `complaint`, and with the scale and sign of both branches."""
+    elastic, hysteretic, A, beta, gamma, n, rest_angle = values
+    p[ELASTIC], p[HYSTERETIC], p[REST], p[SLOPE], p[POWER] = elastic, hysteretic, rest_angle, A, n
+    for at, curvature in ((LOADING_SCALE, beta + gamma), (UNLOADING_SCALE, gamma - beta)):
+        ratio = A / abs(curvature) if curvature != 0 else math.inf
+        # A curvature too small for a finite ratio counts as 0.
+        p[at] = ratio ** (1 / n) if ratio < math.inf else 1.0
+        p[at + 1] = math.copysign(1.0, curvature) if ratio < math.inf else 0.0

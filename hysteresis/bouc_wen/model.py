@@ -2,21 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import ClassVar
-
-import numpy as np
 
 from ...arrays import Array
 from ...checks import number, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel, read_only
+from ..protocol import ConfigKey, HysteresisModel
 from . import kernels
-
-SHARPEST = kernels.LARGEST_POWER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,24 +63,6 @@ class BoucWen(HysteresisModel):
     A: float = 1.0
     rest_angle: float = 0.0
 
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            object.__setattr__(self, field.name, number(field.name, getattr(self, field.name)))
-        if self.hysteretic == 0:
-            raise InputError(
-                "hysteretic is 0: the torque would have no memory; give another number"
-            )
-        if self.A <= 0:
-            raise InputError(
-                f"A is {self.A}: it must be above 0; for a negative A, change the signs "
-                "of A, gamma and hysteretic, which is the same model"
-            )
-        if not 1 <= self.n <= SHARPEST:
-            raise InputError(
-                f"n is {self.n}: use 1 (smooth) to {SHARPEST:g} (a corner); below 1 the "
-                "slope of z is not even continuous"
-            )
-
     @classmethod
     def from_kao_fung(
         cls,
@@ -130,33 +107,17 @@ class BoucWen(HysteresisModel):
         *,
         k: float,
         alpha: float,
-        beta: float,
-        gamma: float,
-        n: float,
-        A: float = 1.0,
-        rest_angle: float = 0.0,
+        **others: float,
     ) -> "BoucWen":
         """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
 
         Args:
             k: Stiffness before yield, for A = 1 [N·m/rad].
             alpha: Ratio of the stiffness after yield to k, not 1.
-            beta: Loss coefficient, which opens the loop [1/rad^n].
-            gamma: Shape coefficient, which bends the loop [1/rad^n].
-            n: Sharpness of the yield, 1 to 1e6.
-            A: Slope dz/dtheta at z = 0, > 0.
-            rest_angle: Angle at which the elastic part is zero [rad].
+            **others: The other parameters of the class.
         """
         k, alpha = number("k", k), number("alpha", alpha)
-        return cls(
-            elastic=alpha * k,
-            hysteretic=(1 - alpha) * k,
-            A=A,
-            beta=beta,
-            gamma=gamma,
-            n=n,
-            rest_angle=rest_angle,
-        )
+        return cls(elastic=alpha * k, hysteretic=(1 - alpha) * k, **others)
 
     def normalized(self) -> "BoucWen":
         """Returns the same model with A = 1, where z is an angle of the hysteretic spring."""
@@ -225,10 +186,3 @@ class BoucWen(HysteresisModel):
             memory_bound=memory_bound,
             angle_range=angle_range,
         )
-
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The parameters, and the scale and sign of both branches, as the kernels read them."""
-        p = np.empty(kernels.PARAMETER_SIZE)
-        kernels.set_parameters(p, *self.config().values())
-        return read_only(p)

@@ -125,14 +125,20 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from the spring, the stiffness, and one friction or one for each way."""
+def complaint(values, ends):
+    """Returns what is wrong with the spring, the stiffness, and one friction or one a way."""
     count = ends[0]
     if not 1 <= count <= MOST_COEFFICIENTS:
         return FEW, 0
     for i in range(count, values.size):
         if not values[i] > 0:
             return POSITIVE, i - count + 1
+    return FINE, 0
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from the values of `complaint`."""
+    count = ends[0]
     p[STIFFNESS], p[UP], p[DOWN] = values[count], values[count + 1], values[-1]
     p[SPRING:] = values[:count]
-    return FINE, 0

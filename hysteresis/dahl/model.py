@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from types import ModuleType
 from typing import ClassVar
 
@@ -14,7 +13,7 @@ from ...checks import number
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..polynomial import coefficients, extremes
-from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers, read_only
+from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers
 from . import kernels
 
 KEYS = (ConfigKey("spring", "list"), ConfigKey("stiffness"))
@@ -23,32 +22,12 @@ UNITS = {"spring": POLYNOMIAL, "stiffness": "N·m/rad"}
 
 @dataclass(frozen=True, kw_only=True)
 class Semilinear(HysteresisModel):
-    """What `Dahl` and `Duhem` share; the config keys after the first two are their frictions."""
+    """What `Dahl` and `Duhem` share."""
 
     kernels: ClassVar[ModuleType] = kernels
 
     spring: Numbers
     stiffness: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "spring", coefficients("spring", self.spring))
-        for name in ("stiffness", *self._frictions):
-            unit = self.units[name]
-            value = number(name, getattr(self, name), unit)
-            if not value > 0:
-                raise InputError(f"{name} is {value}: give a number above 0 ({unit})")
-            object.__setattr__(self, name, value)
-
-    @property
-    def _frictions(self) -> dict[str, float]:
-        """The frictions by name: one, or that upwards and that downwards [N·m]."""
-        return {key.name: getattr(self, key.name) for key in self.config_keys[len(KEYS) :]}
-
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The stiffness, the frictions up and down, and the spring, as the kernels read them."""
-        up, *_, down = 2 * [*self._frictions.values()]
-        return read_only([self.stiffness, up, down, *self.spring])
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """States what holds for every motion, whatever the parameters.

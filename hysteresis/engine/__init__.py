@@ -1,7 +1,20 @@
 """Hysteretic joint torque inside MuJoCo: an engine plugin compiled by numba, and `attach`.
 
-Importing this module registers one plugin for each model, once per process. A joint gets one from
-Python, with `attach`, or from MJCF:
+The torque on a joint is that of `HysteresisModel.response` along the angles of the steps, to the
+last bit, under every integrator. Parameters and memory of each joint are in `data.plugin_state`, so
+MuJoCo saves, copies and batches them with the rest of the state:
+
+    spec = mujoco.MjSpec.from_file("arm.xml")
+    attach(spec, "elbow", TABLE_2["elbow-sa-pso"])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 100)
+    torque = data.sensor("elbow_suit_torque").data  # as of the last mj_forward
+
+A reset brings the parameters and the start back that the joint was compiled with. Until then
+`replace_model` gives one simulation a model of its own, and `take_off` removes the torque.
+
+Importing this module registers one plugin for each model, once per process. MJCF can name it too:
 
     <extension>
       <plugin plugin="activesuit.jiles_atherton">

@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,15 +11,25 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, unknown_name
-from ..around import Asymmetric, Backlash, Clipped, Viscoelastic
+from ..around import Wrapper, parts
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..protocol import HysteresisModel, State, follow, read_only
 from ..registry import MODELS
 from ..safety import require_certificate
-from . import _configuration as keys
 from ._callbacks import plugin_name, register
-from ._state import FAULT, MEMORY, OFF
+from ._configuration import (
+    ANGLE_RANGE,
+    FAULT,
+    GAP,
+    MEMORY,
+    OFF,
+    POLYNOMIAL,
+    START_ANGLE,
+    START_PATH,
+    START_TORQUE,
+    VISCOELASTIC,
+)
 from .native import compile_plugin
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
@@ -214,7 +223,7 @@ def replace_model(
         )
     begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     state = plugin_state[begin : begin + size]
-    bare, polynomial, limits, rate, play = _parts(model)
+    bare, polynomial, limits, rate, play = parts(model)
     if keep_memory:
         if any(given is not None for given in (start_angle, start_torque, start_path)):
             raise InputError(
@@ -250,7 +259,7 @@ def _kept(model: HysteresisModel, state: Array, joint: str) -> State:
             f"keep_memory is True, but the {model.name} model of joint {joint!r} has no memory to "
             f"keep: {why}; leave keep_memory out"
         )
-    bare, *_, play = _parts(model)
+    bare, *_, play = parts(model)
     end = MEMORY + bare.memory_size
     memory, parameters = state[MEMORY:end], state[end : end + bare.parameter_vector.size]
     if play.size:
@@ -280,7 +289,7 @@ def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
 
 def _layout(model: HysteresisModel) -> tuple[int, ...]:
     """Returns the slot of a model's plugin and the sizes of the parts of its state."""
-    bare, *around = _parts(model)
+    bare, *around = parts(model)
     own = bare.memory_size + bare.parameter_vector.size
     return register()[plugin_name(type(bare))], own, *(part.size for part in around)
 
@@ -288,9 +297,9 @@ def _layout(model: HysteresisModel) -> tuple[int, ...]:
 def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
     """Returns the layout of a compiled instance; its config has the parts around the model."""
     values = _compiled_config(mj_model, instance)
-    polynomial, limits = (len(values[key].split()) for key in (keys.POLYNOMIAL, keys.ANGLE_RANGE))
-    rate = viscoelastic.SIZE if values[keys.VISCOELASTIC] else 0
-    around = polynomial, limits, rate, backlash.SIZE if values[keys.GAP] else 0
+    polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
+    rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
+    around = polynomial, limits, rate, backlash.SIZE if values[GAP] else 0
     own = int(mj_model.plugin_statenum[instance]) - MEMORY - sum(around)
     return int(mj_model.plugin[instance]), own, *around
 
@@ -319,16 +328,16 @@ def _compiled_start(
     """Returns angle [rad] and torque [N·m] at which an instance's memory starts, and its path."""
     values = _compiled_config(mj_model, instance)
     reference = float(mj_model.joint(joint).qpos0[0])
-    path = [float(angle) for angle in values[keys.START_PATH].split()]
+    path = [float(angle) for angle in values[START_PATH].split()]
     return (
-        float(values[keys.START_ANGLE] or reference),
-        float(values[keys.START_TORQUE] or 0.0),
+        float(values[START_ANGLE] or reference),
+        float(values[START_TORQUE] or 0.0),
         path,
     )
 
 
 def _require_model(model: object) -> None:
-    bare = _parts(model).bare if isinstance(model, HysteresisModel) else None
+    bare = parts(model).bare if isinstance(model, HysteresisModel) else None
     if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
             f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
@@ -336,43 +345,14 @@ def _require_model(model: object) -> None:
         )
 
 
-class _Parts(NamedTuple):
-    """A model without its wrappers, and the numbers of each wrapper in the state, maybe none."""
-
-    bare: HysteresisModel
-    polynomial: Array
-    limits: Array
-    rate: Array
-    play: Array
-
-
-def _parts(model: HysteresisModel) -> _Parts:
-    """Splits a model into the innermost one and the numbers of its wrappers."""
-    rate, play, polynomial, limits = (np.empty(0) for _ in range(4))
-    if isinstance(model, Viscoelastic):
-        model, rate = model.model, model.begun()
-    if isinstance(model, Backlash):
-        model, play = model.model, np.array([model.gap, 0.0])
-    if isinstance(model, Asymmetric):
-        model, polynomial = model.model, np.array(model.polynomial)
-    if isinstance(model, Clipped):
-        model, limits = model.model, np.array(model.angle_range)
-    return _Parts(model, polynomial, limits, rate, play)
-
-
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    bare, polynomial, limits, rate, play = _parts(model)
-    config = {key: _text(value) for key, value in bare.config().items()}
-    if polynomial.size:
-        config["polynomial"] = _text(polynomial.tolist())
-    if limits.size:
-        config["angle_range"] = _text(limits.tolist())
-    if rate.size:
-        config["viscoelastic"] = _text(rate[: viscoelastic.NUMBERS].tolist())
-    if play.size:
-        config["gap"] = _text(float(play[backlash.GAP]))
-    return plugin_name(type(bare)), config
+    config = {}
+    while isinstance(model, Wrapper):
+        config[model.place] = _text(model.given)
+        model = model.model
+    own = {key: _text(value) for key, value in model.config().items()}
+    return plugin_name(type(model)), own | config
 
 
 def _text(value: float | str | Sequence[float]) -> str:

@@ -5,8 +5,8 @@ state: saved, restored, copied and batched by MuJoCo itself. `compute` only read
 may run any number of times per step, at trial positions); `advance` commits it once per step.
 
 Each model gets callbacks of its own, compiled with its module of kernels. The functions that run in
-every step are inlined, here and in `_state`: passing the layout and the arrays, dozens of numbers,
-from one compiled function to the next took half as long as computing the torque.
+every step are inlined, here and in `_configuration`: passing the layout and the arrays, dozens of
+numbers, from one compiled function to the next took half as long as computing the torque.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -33,28 +33,26 @@ from ._configuration import (
     A_NUMBER,
     A_WORD,
     COMMON_KEYS,
+    ENERGY_SENSOR,
     FINE,
     JOINT,
+    OFF,
     OPTIONAL,
     POLE,
-    complain_of,
-    configure,
-    connect,
-    required_size,
-)
-from ._state import (
-    ENERGY_SENSOR,
-    OFF,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
     Layout,
+    complain_of,
+    configure,
+    connect,
     has_sensors,
     joint_of,
     parts,
+    required_size,
     sensor_of,
 )
 
-KINDS = {"number": A_NUMBER, "list": A_LIST, "word": A_WORD}
+KINDS = {"number": A_NUMBER, "list": A_LIST, "rows": A_LIST, "word": A_WORD}
 
 
 @njit(inline="always")

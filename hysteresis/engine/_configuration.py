@@ -4,11 +4,19 @@
 keys hold, in the order of the keys. A fault is a reason and the config key that it is about:
 `JOINT` where it is about the instance as a whole. Reasons from `MODEL` on are the model's own
 complaints (`COMPLAINTS` of its kernels).
+
+`mjData.plugin_state` holds the physical state of an instance: fault flag, memory, parameters
+(radians), the elastic polynomial, the range, the viscoelastic part and the play. They are saved,
+copied and batched with the rest of the state, and may differ between simulations.
+`mjData.plugin_data` holds what follows from the MuJoCo model: the ids of the joint and of the
+sensors, packed into one integer. A state may be set on any MuJoCo model: the ids always fit the
+model at hand, and so do the sizes, which come from mjModel.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
+from collections import namedtuple
 
 import numpy as np
 from numba import njit
@@ -17,9 +25,82 @@ from ...kernels import inner
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..polynomial import value_of
-from . import _state as state
 from . import native
-from ._state import LARGEST, MEMORY, POLYNOMIAL_LIMIT, joint_of, parts
+
+FAULT, MEMORY = 0, 1
+OFF = 2.0  # flag of an instance that is taken off: it gives no torque
+POLYNOMIAL_LIMIT = 6  # number of coefficients, those of angle^0 to angle^5
+
+# A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits), whether the
+# torque is constant outside a range, whether there is a viscoelastic part and whether there is play
+# (1 bit each). Sensors count from 1; 0 is none.
+BITS, LARGEST = 14, 2**14 - 1
+WIDTH = np.int64(BITS)
+SENSORS = b"torque stiffness energy"  # endings of the names of sensors, from `TORQUE_SENSOR` on
+TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = map(np.int64, (1, 2, 3))
+POLYNOMIAL_SHIFT, HELD_SHIFT, VISCOELASTIC_SHIFT = 4 * BITS, 4 * BITS + 3, 4 * BITS + 4
+PLAY_SHIFT = 4 * BITS + 5
+
+
+Layout = namedtuple(
+    "Layout",
+    "m_opt__timestep m_nsensor m_njnt m_jnt_type m_jnt_qposadr m_jnt_dofadr m_qpos0 m_sensor_type "
+    "m_sensor_plugin m_sensor_adr m_plugin m_plugin_stateadr m_plugin_statenum m_plugin_attr "
+    "m_plugin_attradr m_names m_name_sensoradr d_qpos d_qvel d_qfrc_passive d_sensordata "
+    "d_plugin_state d_plugin_data mjOBJ_JOINT mjJNT_SLIDE mjJNT_HINGE mjSENS_PLUGIN "
+    "mjPLUGIN_PASSIVE stamp",
+    defaults=(0,),
+)
+"""Byte offsets of fields in mjModel (m_) and mjData (d_), and values of some enums.
+
+`stamp` distinguishes versions of a model's kernels and of the engine, so that numba's cache does
+not give back machine code of an older version.
+"""
+
+
+@njit(inline="always")
+def parts(kernels, ids, address, size):
+    """Returns views of the parts of a state.
+
+    They are fault flag, memory, parameters, polynomial, range, viscoelastic part, play.
+    """
+    polynomial, limits = (ids >> POLYNOMIAL_SHIFT) & 7, 2 * ((ids >> HELD_SHIFT) & 1)
+    rate, play = (
+        viscoelastic.SIZE * ((ids >> VISCOELASTIC_SHIFT) & 1),
+        backlash.SIZE * (ids >> PLAY_SHIFT),
+    )
+    own = size - MEMORY - polynomial - limits - rate - play
+    memory = kernels.memory_size(own)
+    start = address + 8 * MEMORY
+    end = start + 8 * own
+    return (
+        native.doubles(address, 1),
+        native.doubles(start, memory),
+        native.doubles(start + 8 * memory, own - memory),
+        native.doubles(end, polynomial),
+        native.doubles(end + 8 * polynomial, limits),
+        native.doubles(end + 8 * (polynomial + limits), rate),
+        native.doubles(end + 8 * (polynomial + limits + rate), play),
+    )
+
+
+@inner(cache=False)
+def joint_of(ids):
+    """Returns the id of the joint."""
+    return ids & LARGEST
+
+
+@inner(cache=False)
+def has_sensors(ids):
+    """Returns whether there is any sensor."""
+    return (ids >> BITS) & (2 ** (3 * BITS) - 1) != 0
+
+
+@inner(cache=False)
+def sensor_of(ids, kind):
+    """Returns the id of the sensor of a kind, or -1."""
+    return native.packed(ids, kind, WIDTH)
+
 
 # Config keys of every model; the model's own follow. All numbers are NumPy's: for each number of
 # Python numba would compile functions anew.
@@ -119,13 +200,11 @@ def connect(m, instance, at):
         both = same and is_hysteretic(m, other, at)
         if both and not (flag_of(m, instance, TAKEN_OFF, at) or flag_of(m, other, TAKEN_OFF, at)):
             return (JOINT_TWICE, JOINT), 0
-    ids = joint | polynomial_size(m, instance, at) << state.POLYNOMIAL_SHIFT
-    ids |= is_given(m, instance, ANGLE_RANGE, at) << state.HELD_SHIFT
-    ids |= is_given(m, instance, VISCOELASTIC, at) << state.VISCOELASTIC_SHIFT
-    ids |= is_given(m, instance, GAP, at) << state.PLAY_SHIFT
-    outcome, ids = native.pack_sensors(
-        m, instance, ids, state.TORQUE_SENSOR, state.WIDTH, state.SENSORS, at
-    )
+    ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
+    ids |= is_given(m, instance, ANGLE_RANGE, at) << HELD_SHIFT
+    ids |= is_given(m, instance, VISCOELASTIC, at) << VISCOELASTIC_SHIFT
+    ids |= is_given(m, instance, GAP, at) << PLAY_SHIFT
+    outcome, ids = native.pack_sensors(m, instance, ids, TORQUE_SENSOR, WIDTH, SENSORS, at)
     if outcome != native.FOUND:
         return (SENSOR_NAME if outcome == native.UNKNOWN else SENSOR_TWICE, JOINT), 0
     return (FINE, JOINT), ids
@@ -188,9 +267,12 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     values = np.empty(counts.sum())
     fault = read_values(m, instance, kinds, words, counts, values, at)
     if fault[0] == FINE:
-        complaint, key = kernels.configure(values, np.cumsum(counts), p)
+        ends = np.cumsum(counts)
+        complaint, key = kernels.complaint(values, ends)
         if complaint != FINE:
             fault = (MODEL + complaint, FIRST_KEY + key)
+        else:
+            kernels.configure(values, ends, p)
     if fault[0] == FINE:
         fault = read_around(m, instance, polynomial, limits, rate, play, at)
     if fault[0] == FINE:
@@ -199,7 +281,7 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
         fault = (FLAG, TAKEN_OFF)
     flag[0] = fault[0] != FINE
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) == 1:
-        flag[0] = state.OFF
+        flag[0] = OFF
     return fault
 
 

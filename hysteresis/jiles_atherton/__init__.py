@@ -1,8 +1,8 @@
 """The Jiles-Atherton model: the class, its kernels, and what fits of it need.
 
-`kernels` steps one model or a population of models, and `sensitivity` one model with its
-derivatives. `_bulk` has the exact step behind them, `_forms` the other equations of the literature,
-`margins` the certificate, and `coordinates` those in which a search stays certified.
+`kernels` steps one model, a population of models, and one with its derivatives. `_bulk` has the
+exact step behind all of them, `_forms` the other equations of the literature, `margins` the
+certificate, and `coordinates` those in which a search stays certified.
 """
 
 from .coordinates import Nearest, nearest_certified

@@ -20,7 +20,6 @@ for c > 1 only.
 """
 
 import math
-from typing import NamedTuple
 
 from numba import njit
 
@@ -37,22 +36,10 @@ MARCH_LIMIT = 1_000_000
 LANDING_LIMIT = 80
 
 
-class Law(NamedTuple):
-    """A model: its five parameters, and the numbers of its form and clamp."""
-
-    Ms: float
-    a: float
-    alpha: float
-    c: float
-    k: float
-    form: int
-    clamp: int
-
-
 @njit(cache=True, error_model="numpy")
-def rate(x, M, delta, law):
-    """Returns dM/dHe at the effective field x."""
-    Ms, a, alpha, c, k, form, clamp = law
+def rate(x, M, delta, p):
+    """Returns dM/dHe at the effective field x; `kernels` describes p."""
+    Ms, a, alpha, c, k, _, form, clamp = p[:8]
     L, dL, _ = langevin(x / a)
     D, reversible = Ms * L - M, c * Ms * dL / a
     blocked = False
@@ -78,17 +65,17 @@ def rate(x, M, delta, law):
 
 
 @njit(cache=True, error_model="numpy")
-def try_step(dx, x, M, first, delta, law):
+def try_step(dx, x, M, first, delta, p):
     """Returns (M, its error, the integral of M - Man, the rate) after a step of dx.
 
     Bogacki and Shampine's third order pair; `first` is the rate at the beginning.
     """
-    Ms, a = law.Ms, law.a
+    Ms, a = p[0], p[1]
     middle = M + dx / 2 * first
-    second = rate(x + dx / 2, middle, delta, law)
-    third = rate(x + 0.75 * dx, M + 0.75 * dx * second, delta, law)
+    second = rate(x + dx / 2, middle, delta, p)
+    third = rate(x + 0.75 * dx, M + 0.75 * dx * second, delta, p)
     end = M + dx * (2 * first + 3 * second + 4 * third) / 9
-    last = rate(x + dx, end, delta, law)
+    last = rate(x + dx, end, delta, p)
     error = abs(dx * (-5 * first / 72 + second / 12 + third / 9 - last / 8))
     middle = (M + end) / 2 + dx / 8 * (first - last)
     lag0, lag1 = M - Ms * langevin(x / a)[0], end - Ms * langevin((x + dx) / a)[0]
@@ -97,7 +84,7 @@ def try_step(dx, x, M, first, delta, law):
 
 
 @njit(cache=True, error_model="numpy")
-def advance(H0, M0, H1, law):
+def advance(H0, M0, H1, p):
     """Moves the model monotonically from (H0, M0) to the angle H1.
 
     Returns (M1, loss): the torque there and the integral of (M - Man) dHe; M1 is NaN when H1 is not
@@ -105,21 +92,21 @@ def advance(H0, M0, H1, law):
     """
     if not math.isfinite(H1):
         return math.nan, 0.0
-    Ms, a, alpha, k = law.Ms, law.a, law.alpha, law.k
+    Ms, a, alpha, _, k = p[:5]
     delta = 1.0 if H1 > H0 else -1.0
     x, M, loss = H0 + alpha * M0, M0, 0.0
-    slope = rate(x, M, delta, law)
+    slope = rate(x, M, delta, p)
     dx = delta * 0.1 * min(a, k)
     for _ in range(MARCH_LIMIT):
         if not alpha * slope < 1:
             return math.nan, loss
         whole = (H1 - (x - alpha * M)) / (1 - alpha * slope)
         if abs(whole) <= abs(dx):
-            end, part = land(whole, x, M, slope, H1, delta, law)
+            end, part = land(whole, x, M, slope, H1, delta, p)
             if math.isfinite(end):
                 return end, loss + part
             dx = 0.5 * whole
-        end, error, part, last = try_step(dx, x, M, slope, delta, law)
+        end, error, part, last = try_step(dx, x, M, slope, delta, p)
         passed = delta * (x + dx - alpha * end - H1) > 0
         growth = min(4.0, 0.9 * (TOLERANCE * Ms / max(error, 1e-300)) ** (1 / 3))
         if error <= TOLERANCE * Ms and not passed:
@@ -131,11 +118,11 @@ def advance(H0, M0, H1, law):
 
 
 @njit(cache=True, error_model="numpy")
-def land(dx, x, M, slope, H1, delta, law):
+def land(dx, x, M, slope, H1, delta, p):
     """Ends a motion at H1 by Newton on the last step's dx; NaN when that step is too long."""
-    Ms, a, alpha, k = law.Ms, law.a, law.alpha, law.k
+    Ms, a, alpha, _, k = p[:5]
     for _ in range(LANDING_LIMIT):
-        end, error, loss, last = try_step(dx, x, M, slope, delta, law)
+        end, error, loss, last = try_step(dx, x, M, slope, delta, p)
         if not (error <= TOLERANCE * Ms and alpha * last < 1):
             break
         newton = -(x + dx - alpha * end - H1) / (1 - alpha * last)

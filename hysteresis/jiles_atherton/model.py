@@ -3,18 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
-import numpy as np
-
 from ...arrays import Array
-from ...checks import number
 from ...errors import InputError
 from ...published import LI_TABLE_2
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel, State, read_only
+from ..protocol import ConfigKey, HysteresisModel, State
 from . import kernels
 from ._forms import CLAMPS, FORMS
 from .margins import margin_everywhere, margin_in_range
@@ -75,30 +71,7 @@ class JilesAtherton(HysteresisModel):
     allow_active: bool = False
 
     def __post_init__(self) -> None:
-        for field, allowed in (("angle_unit", AngleUnit), ("form", Form), ("clamp", Clamp)):
-            given = getattr(self, field)
-            if not isinstance(given, str) or given not in get_args(allowed):
-                choices = " or ".join(map(repr, get_args(allowed)))
-                raise InputError(f"{field} is {getattr(self, field)!r}: use {choices}")
-        for name in PARAMETERS:
-            object.__setattr__(self, name, number(f"parameter {name}", getattr(self, name)))
-        for name in ("Ms", "a", "k"):
-            value = getattr(self, name)
-            if value <= 0:
-                raise InputError(f"parameter {name} is {value}: it must be above 0")
-            if not kernels.SMALLEST <= value <= 1 / kernels.SMALLEST:
-                raise InputError(
-                    f"parameter {name} is {value}: use a number from {kernels.SMALLEST:g} to "
-                    f"{1 / kernels.SMALLEST:g}; choose another unit"
-                )
-        self._check_activity()
-
-    def _check_activity(self) -> None:
-        if self.form != "bulk" and not 0 <= self.c < (1 if self.form == "jiles-1992" else math.inf):
-            limit = "and below 1 " if self.form == "jiles-1992" else ""
-            raise InputError(
-                f"parameter c is {self.c}: form {self.form!r} needs it at least 0 {limit}"
-            )
+        super().__post_init__()
         if self.allow_active:
             return
         if self.form != "bulk":
@@ -112,23 +85,12 @@ class JilesAtherton(HysteresisModel):
                 "c >= 1, or allow_active=True if that is what you want"
             )
 
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """Ms, a, alpha, c, k in radians, and what the kernels compute from them, form and clamp."""
-        p = np.empty(kernels.PARAMETER_SIZE)
-        scale = 1 / UNIT_PER_RADIAN[self.angle_unit]
-        form, clamp = FORMS.index(self.form), CLAMPS.index(self.clamp)
-        kernels.set_parameters(
-            p, self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale, form, clamp
-        )
-        return read_only(p)
-
     @property
     def c_source(self) -> Path:
-        """File with the kernel `commit` in C99; other forms and clamps have one of their own."""
-        if kernels.is_exact(self._parameters):
-            return super().c_source
-        return super().c_source.with_name("other_forms.c")
+        """File with the kernel `commit` in C99; there is none for other forms and clamps."""
+        source = super().c_source
+        exact = self.form == "bulk" and self.clamp == "none"
+        return source if exact else source.with_name("other_forms.c")
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Proves, where it can be proved, that no motion meets the pole (docs/theory.md, "Safety").

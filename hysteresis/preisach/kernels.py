@@ -407,21 +407,25 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from the levels, the rows of the density end to end, and the elastic slopes."""
-    levels, density = values[: ends[0]], values[ends[0] : ends[1]]
-    slopes = values[ends[1] : ends[2]]
-    segments = levels.size - 1
+def complaint(values, ends):
+    """Returns what is wrong with levels, the rows of the density end to end, elastic slopes."""
+    segments = ends[0] - 1
     if segments < 1:
         return ASCENDING, 0
     for i in range(segments):
-        if not levels[i + 1] > levels[i]:
+        if not values[i + 1] > values[i]:
             return ASCENDING, 0
-    if density.size != segments * (segments + 1) // 2:
+    if ends[1] - ends[0] != segments * (segments + 1) // 2:
         return DENSITY_SIZE, 1
-    if slopes.size == 0:
-        slopes = np.zeros(segments)
-    if slopes.size != segments:
+    if ends[2] - ends[1] not in (0, segments):
         return AS_MANY, 2
-    set_parameters(p, levels, density, slopes)
     return FINE, 0
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from the values of `complaint`."""
+    elastic = values[ends[1] : ends[2]]
+    if elastic.size == 0:
+        elastic = np.zeros(ends[0] - 1)
+    set_parameters(p, values[: ends[0]], values[ends[0] : ends[1]], elastic)

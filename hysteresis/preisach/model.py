@@ -3,17 +3,16 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ...arrays import Array
 from ...checks import numbers
-from ...errors import InputError
+from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel, Numbers, read_only
+from ..protocol import ConfigKey, HysteresisModel, Numbers
 from . import kernels
 
 
@@ -65,7 +64,7 @@ class Preisach(HysteresisModel):
     kernels: ClassVar[ModuleType] = kernels
     config_keys: ClassVar[tuple[ConfigKey, ...]] = (
         ConfigKey("levels", "list"),
-        ConfigKey("density", "list"),
+        ConfigKey("density", "rows"),
         ConfigKey("elastic", "list", optional=True),
     )
     not_fitted: ClassVar[tuple[str, ...]] = ("levels",)
@@ -77,43 +76,11 @@ class Preisach(HysteresisModel):
     elastic: Numbers = ()
 
     def __post_init__(self) -> None:
-        levels = numbers("levels", self.levels, "rad")
-        segments = len(levels) - 1
-        if segments < 1:
-            raise InputError(f"levels is {levels}: give at least 2 angles (rad)")
-        for i in range(segments):
-            if not levels[i] < levels[i + 1]:
-                raise InputError(
-                    f"levels[{i + 1}] is {levels[i + 1]} rad: it must be above {levels[i]}; give "
-                    "angles in increasing order"
-                )
-        between = f"the {len(levels)} levels have {segments} segments between them"
-        rows = list(self.density) if np.iterable(self.density) else []
-        if len(rows) != segments:
-            raise InputError(f"density has {len(rows)} rows: give {segments}; {between}")
-        density = tuple(numbers(f"density[{i}]", row, "N·m") for i, row in enumerate(rows))
-        for i, row in enumerate(density):
-            if len(row) != i + 1:
-                raise InputError(
-                    f"density[{i}] has {len(row)} weights: give {i + 1}, one for each segment from "
-                    "the first to its own"
-                )
-        elastic = (0.0,) * segments
-        if np.size(self.elastic) > 0:
-            elastic = numbers("elastic", self.elastic, "N·m/rad")
-        if len(elastic) != segments:
-            raise InputError(f"elastic has {len(elastic)} slopes: give {segments}; {between}")
-        for name, value in (("levels", levels), ("density", density), ("elastic", elastic)):
-            object.__setattr__(self, name, value)
-
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The parameters as the kernels read them: segments, then cells; read-only."""
-        segments = len(self.density)
-        p = np.empty(kernels.parameter_size(segments))
-        density = np.concatenate([np.array(row) for row in self.density])
-        kernels.set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
-        return read_only(p)
+        if len(numbers("levels", self.levels, "rad")) < 2:
+            raise InputError(f"levels is {shown(self.levels)}: give at least 2 angles (rad)")
+        super().__post_init__()
+        if not self.elastic:
+            object.__setattr__(self, "elastic", (0.0,) * len(self.density))
 
     def everett(self, alpha: float, beta: float) -> float:
         """Returns E(alpha, beta): the weight [N·m] of all relays between two angles [rad]."""
@@ -159,8 +126,3 @@ class Preisach(HysteresisModel):
         for angle in [*memory[down + 2 : down + 2 * turns + 2 : 2], memory[0]]:
             kernels.commit(self._parameters, own, angle)
         return self._keep_loss(own, memory, parameters)
-
-    def config(self) -> dict[str, Any]:
-        """Returns the parameters as MJCF has them, the rows of the density end to end."""
-        density = [weight for row in self.density for weight in row]
-        return {"levels": self.levels, "density": density, "elastic": self.elastic}

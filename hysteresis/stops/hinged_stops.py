@@ -37,31 +37,6 @@ COMPLAINTS = (
 )
 
 
-@njit(cache=True, error_model="numpy")
-def set_parameters(p, stiffness, rest_angle, thresholds, weights, offset, knots, slopes):
-    """Fills p; the values at the knots follow from h(0) = 0, outwards from the piece around 0."""
-    n, m = thresholds.size, knots.size
-    p[:] = 0.0
-    p[0], p[1] = stiffness, rest_angle
-    p[HEADER : HEADER + n] = thresholds
-    p[HEADER + n : HEADER + 2 * n] = weights
-    hinge = p[HEADER + 2 * n :]
-    hinge[OFFSET], hinge[COUNT] = offset, m
-    hinge[KNOTS : KNOTS + m] = knots
-    hinge[SLOPES : SLOPES + m + 1] = slopes
-    zero = 0
-    while zero < m and knots[zero] <= 0:
-        zero += 1
-    for k in range(zero, m):
-        below = 0.0 if k == zero else knots[k - 1]
-        value = 0.0 if k == zero else hinge[VALUES + k - 1]
-        hinge[VALUES + k] = value + slopes[k] * (knots[k] - below)
-    for k in range(zero - 1, -1, -1):
-        above = 0.0 if k == zero - 1 else knots[k + 1]
-        value = 0.0 if k == zero - 1 else hinge[VALUES + k + 1]
-        hinge[VALUES + k] = value - slopes[k + 1] * (above - knots[k])
-
-
 @njit(inline="always", error_model="numpy")
 def piece(hinge, P):
     """Returns the index of the piece of h on which P lies; a knot belongs to the piece above."""
@@ -269,13 +244,12 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from stiffness, rest angle, thresholds, weights, knots, slopes and offset."""
-    thresholds, weights = values[ends[1] : ends[2]], values[ends[2] : ends[3]]
+def complaint(values, ends):
+    """Returns what is wrong with the values of stops, with knots, slopes and offset."""
+    number, key = stops.complaint(values, ends)
+    if number != FINE:
+        return number, key
     knots, slopes = values[ends[3] : ends[4]], values[ends[4] : ends[5]]
-    complaint, key = stops.complaint_about(values, ends)
-    if complaint != FINE:
-        return complaint, key
     if not 1 <= knots.size <= MOST_KNOTS:
         return FEW_KNOTS, 4
     if slopes.size != knots.size + 1:
@@ -283,14 +257,31 @@ def configure(values, ends, p):
     for k in range(1, knots.size):
         if not knots[k] > knots[k - 1]:
             return FEW_KNOTS, 4
-    if not values[0] >= 0:
-        return POSITIVE, 0
-    for weight in weights:
-        if not weight >= 0:
-            return POSITIVE, 3
-    for slope in slopes:
-        if not slope >= 0:
-            return POSITIVE, 5
-    offset = values[ends[5]]
-    set_parameters(p, values[0], values[1], thresholds, weights, offset, knots, slopes)
+    for at in (0, 3, 5):
+        for value in values[ends[at - 1] if at > 0 else 0 : ends[at]]:
+            if not value >= 0:
+                return POSITIVE, at
     return FINE, 0
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p; the values at the knots follow from h(0) = 0, outwards from the piece around 0."""
+    n, m = ends[2] - ends[1], ends[4] - ends[3]
+    p[:] = 0.0
+    p[: HEADER + 2 * n] = values[: ends[3]]
+    hinge, knots, slopes = p[HEADER + 2 * n :], values[ends[3] : ends[4]], values[ends[4] :]
+    hinge[OFFSET], hinge[COUNT] = values[ends[5]], m
+    hinge[KNOTS : KNOTS + m] = knots
+    hinge[SLOPES : SLOPES + m + 1] = slopes[: m + 1]
+    zero = 0
+    while zero < m and knots[zero] <= 0:
+        zero += 1
+    for k in range(zero, m):
+        below = 0.0 if k == zero else knots[k - 1]
+        value = 0.0 if k == zero else hinge[VALUES + k - 1]
+        hinge[VALUES + k] = value + slopes[k] * (knots[k] - below)
+    for k in range(zero - 1, -1, -1):
+        above = 0.0 if k == zero - 1 else knots[k + 1]
+        value = 0.0 if k == zero - 1 else hinge[VALUES + k + 1]
+        hinge[VALUES + k] = value - slopes[k + 1] * (above - knots[k])

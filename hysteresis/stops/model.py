@@ -5,18 +5,15 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from types import ModuleType
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ...checks import number, numbers
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel, Numbers, State, finite_series, read_only
+from ..protocol import ConfigKey, HysteresisModel, Numbers, read_only
 from . import hinged_stops, prandtl_ishlinskii
 
 Operator = Literal["stop", "play"]
@@ -37,45 +34,15 @@ class Stops(HysteresisModel):
     weights: Numbers
     rest_angle: float
 
-    def _check_stops(self) -> None:
-        """Checks the parameters that all models of stops have, and makes them floats."""
-        for name in ("stiffness", "rest_angle"):
-            object.__setattr__(self, name, number(name, getattr(self, name), UNITS[name]))
-        for name in ("thresholds", "weights"):
-            object.__setattr__(self, name, numbers(name, getattr(self, name), UNITS[name]))
-        if len(self.weights) != len(self.thresholds):
-            raise InputError(
-                f"there are {len(self.weights)} weights for {len(self.thresholds)} thresholds: "
-                "give one weight for each threshold"
-            )
-        for i, (below, here) in enumerate(pairwise((0.0, *self.thresholds))):
-            if not here > below:
-                raise InputError(
-                    f"thresholds[{i}] is {here} rad: it must be above {below}; give positive "
-                    "thresholds in increasing order"
-                )
-
-    @property
-    def memory_size(self) -> int:
-        """How many numbers the memory holds: angle, torque, loss and the play of each stop."""
-        return prandtl_ishlinskii.FIRST_PLAY + len(self.thresholds)
-
     @abstractmethod
     def _starts(self, angle: float) -> tuple[float, float]:
         """Returns the least and the largest torque [N·m] with which a motion can begin."""
 
-    def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m].
-
-        The stops are as after a first loading, the shortest one that gives this torque.
-        """
-        number("angle", angle, "rad")
-        number("initial torque", torque, "N·m")
-        try:
-            return super().start(angle, torque)
+    def _begin(self, angle: float, torque: float) -> Array:
+        try:  # the stops are as after a first loading, the shortest one that gives this torque
+            return super()._begin(angle, torque)
         except InputError:
-            pass
-        low, high = self._starts(angle)
+            low, high = self._starts(angle)
         raise InputError(
             f"initial torque is {torque:.6g} N·m at {angle:.6g} rad: this {self.name} model can "
             f"begin with {low:.6g} to {high:.6g} N·m there; give a torque in between"
@@ -121,7 +88,7 @@ class PrandtlIshlinskii(Stops):
     def __post_init__(self) -> None:
         if self.operator not in ("stop", "play"):
             raise InputError(f"operator is {self.operator!r}: use 'stop' or 'play'")
-        self._check_stops()
+        super().__post_init__()
 
     @cached_property
     def loading_slopes(self) -> Array:
@@ -129,23 +96,11 @@ class PrandtlIshlinskii(Stops):
         steps = np.concatenate([[0.0], np.cumsum(self._arrays[1])])
         return read_only(self.stiffness + (steps if self.operator == "play" else steps[-1] - steps))
 
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The parameters of the stop form: stiffness, rest_angle, thresholds, weights."""
-        thresholds, weights = self._arrays
-        sign = 1 if self.operator == "stop" else -1
-        return read_only([self.loading_slopes[-1], self.rest_angle, *thresholds, *(sign * weights)])
-
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them: those of stops, whatever the operator."""
-        stiffness, rest_angle, *rows = self.parameter_vector.tolist()
-        count = len(self.thresholds)
-        return {
-            "stiffness": stiffness,
-            "rest_angle": rest_angle,
-            "thresholds": rows[:count],
-            "weights": rows[count:],
-        }
+        sign = 1 if self.operator == "stop" else -1
+        weights = (sign * self._arrays[1]).tolist()
+        return super().config() | {"stiffness": float(self.loading_slopes[-1]), "weights": weights}
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory in place of another model's; stops keep their strain, up to r_i."""
@@ -180,49 +135,6 @@ class PrandtlIshlinskii(Stops):
             memory_bound=memory_bound,
             angle_range=(low, high),
         )
-
-    def inverse(self, torque: ArrayLike, initial_angle: float = 0.0) -> Array:
-        """Computes the angles along which the resistance follows given torques, exactly.
-
-        The inverse of a rising Prandtl-Ishlinskii model is one again (Kuhnen, Eur. J. Control 9,
-        2003, 407): its plays have the thresholds psi(r_i), psi the first loading curve, and the
-        slopes of its loading curve are the reciprocals. It is explicit and O(n) per sample.
-
-        Args:
-            torque: Resistance [N·m], shape (n,).
-            initial_angle: Angle of torque[0] [rad].
-
-        Returns:
-            Angles [rad], shape (n,), with angle[0] == initial_angle; `response` gives the torques
-            back.
-
-        Raises:
-            InputError: `torque` is not one finite series, the model has no such start, or it does
-                not rise everywhere: it saturates, or its slope falls below zero.
-        """
-        torque = finite_series("torque", torque, "N·m")
-        thresholds, slopes = self._arrays[0], self.loading_slopes
-        if not np.all(slopes > 0):
-            bad = int(np.flatnonzero(~(slopes > 0))[0])
-            raise InputError(
-                f"the first loading has the slope {slopes[bad]:.6g} N·m/rad beyond "
-                f"{[0.0, *thresholds][bad]:.6g} rad: an inverse needs slopes above 0 everywhere; "
-                f"raise the stiffness by more than {0.0 - slopes.min():.6g} N·m/rad"
-            )
-        state = self.start(initial_angle, torque[0])
-        # The start is the first loading by x from the angle where all stops were at zero. The
-        # inverse gets there by its own first loading, from the torque that was there.
-        x = state.angle - state.memory[-1]
-        psi = np.cumsum(slopes[:-1] * np.diff(thresholds, prepend=0.0))
-        loaded = np.interp(abs(x), [0.0, *thresholds], [0.0, *psi])
-        plays = np.copysign(np.maximum(loaded - psi, 0.0), x)
-        origin = torque[0] - math.copysign(loaded, x)
-        angle = np.empty_like(torque)
-        weights = np.diff(1 / slopes)
-        self.kernels.play_sum(1 / slopes[0], psi, weights, plays, torque - origin, angle)
-        angle += state.angle - x
-        angle[0] = state.angle
-        return angle
 
     @cached_property
     def _arrays(self) -> tuple[Array, Array]:
@@ -281,35 +193,6 @@ class HingedStops(Stops):
     offset: float = 0.0
     rest_angle: float = 0.0
 
-    def __post_init__(self) -> None:
-        self._check_stops()
-        object.__setattr__(self, "offset", number("offset", self.offset, "N·m"))
-        for name, unit in (("knots", "N·m"), ("slopes", "")):
-            object.__setattr__(self, name, numbers(name, getattr(self, name), unit))
-        signed = {"stiffness": self.stiffness}
-        signed |= {f"weights[{i}]": weight for i, weight in enumerate(self.weights)}
-        signed |= {f"slopes[{k}]": slope for k, slope in enumerate(self.slopes)}
-        for name, value in signed.items():
-            if value < 0:
-                raise InputError(
-                    f"{name} is {value}: it must be at least 0, or the model would drive the joint"
-                )
-        if len(self.knots) > hinged_stops.MOST_KNOTS:
-            raise InputError(
-                f"there are {len(self.knots)} knots: give at most {hinged_stops.MOST_KNOTS}"
-            )
-        if len(self.slopes) != len(self.knots) + 1:
-            raise InputError(
-                f"there are {len(self.slopes)} slopes for {len(self.knots)} knots: give one slope "
-                "below the first knot and one above each"
-            )
-        for k, (below, here) in enumerate(pairwise(self.knots), 1):
-            if not here > below:
-                raise InputError(
-                    f"knots[{k}] is {here} N·m: it must be above {below}; give knots in increasing "
-                    "order"
-                )
-
     @cached_property
     def stops(self) -> PrandtlIshlinskii:
         """The model of stops whose torque is P."""
@@ -323,17 +206,6 @@ class HingedStops(Stops):
     def hinge(self, P: float) -> float:
         """Returns h(P) [N·m]."""
         return float(hinged_stops.hinged(self._parameters[-hinged_stops.HINGE :], float(P)))
-
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The parameters as the kernels read them, with room for more knots; read-only."""
-        p = np.empty(prandtl_ishlinskii.HEADER + hinged_stops.HINGE + 2 * len(self.thresholds))
-        rows = (self.thresholds, self.weights, self.knots, self.slopes)
-        thresholds, weights, knots, slopes = map(np.array, rows)
-        hinged_stops.set_parameters(
-            p, self.stiffness, self.rest_angle, thresholds, weights, self.offset, knots, slopes
-        )
-        return read_only(p)
 
     @property
     def free_parameters(self) -> int:

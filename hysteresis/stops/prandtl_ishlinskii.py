@@ -182,8 +182,8 @@ def memory_size(total):
 
 
 @njit(cache=True, error_model="numpy")
-def complaint_about(values, ends):
-    """Returns what is wrong with thresholds and weights: a complaint and its key, or (0, 0)."""
+def complaint(values, ends):
+    """Returns what is wrong with stiffness, rest angle, thresholds and weights of stops."""
     if ends[3] - ends[2] != ends[2] - ends[1]:
         return AS_MANY, 3
     below = 0.0
@@ -196,19 +196,5 @@ def complaint_about(values, ends):
 
 @njit(cache=True, error_model="numpy")
 def configure(values, ends, p):
-    """Fills p from stiffness, rest angle, thresholds and weights of stops."""
-    complaint, key = complaint_about(values, ends)
-    if complaint == FINE:
-        p[:] = values
-    return complaint, key
-
-
-@njit(cache=True, error_model="numpy")
-def play_sum(slope, thresholds, weights, plays, x, y):
-    """Fills y with slope x + sum w_i F_i(x); `plays` holds the F before x[0], then the last F."""
-    for k in range(x.size):
-        total = slope * x[k]
-        for i in range(thresholds.size):
-            _, plays[i] = stop(x[k], plays[i], thresholds[i])
-            total += weights[i] * plays[i]
-        y[k] = total
+    """Fills p with the values of `complaint`."""
+    p[:] = values

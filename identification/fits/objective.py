@@ -13,7 +13,6 @@ from ...errors import InputError, unknown_name
 from ...hysteresis.around import Viscoelastic
 from ...hysteresis.certificate import PoleError
 from ...hysteresis.jiles_atherton import PARAMETERS, kernels
-from ...hysteresis.jiles_atherton.sensitivity import response_and_derivatives
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves, noise_floor
 
@@ -123,7 +122,9 @@ class CurveObjective:
         torque = np.empty(self._angle.size)
         by_row = np.empty((torque.size, 6))
         initial = self.first_torques(row)
-        response_and_derivatives(self._angle, self._starts, initial, row[:5].copy(), torque, by_row)
+        kernels.response_and_derivatives(
+            self._angle, self._starts, initial, row[:5].copy(), torque, by_row
+        )
         return by_row[:, : row.size]
 
     def first_torques(self, row: NDArray[np.float64]) -> NDArray[np.float64]:

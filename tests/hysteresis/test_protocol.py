@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.references import EXAMPLES, Example, integrate, reference_of
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
     MODELS,
+    TABLE_2,
     Asymmetric,
     BoucWen,
     Duhem,
-    HingedStops,
     JilesAtherton,
-    PrandtlIshlinskii,
     Preisach,
     model_from_dict,
 )
@@ -23,6 +23,7 @@ from helpers import assert_refused, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from known_models import KNOWN
+from stop_models import hinged, stops
 
 SEQUENCES = 40  # random motions per example; with 300 examples 12,000 sequences
 FORMS = ("original", "derivative", "jiles-1992")
@@ -61,6 +62,27 @@ def test_step_is_the_bitwise_twin_of_response(model):
         state = after
     with pytest.raises(ValueError, match="read-only"):
         state.memory[0] = 1.0
+
+
+EQUATIONS = {one.name: one for examples in EXAMPLES.values() for one in examples}
+EQUATIONS |= {
+    f"J-A {name}": Example(name=name, model=model, low=0.4, high=1.1)
+    for name, model in TABLE_2.items()
+}
+
+
+@pytest.mark.parametrize("name", EQUATIONS)
+def test_the_torque_is_that_of_the_readable_model_and_of_its_equation(name):
+    one = EQUATIONS[name]
+    shares = (0, 1, 0.14, 0.71, 0.07, 0.9, 0)
+    turns = np.array([one.low + share * (one.high - one.low) for share in shares])
+    torque = one.model.response(turns, one.start_torque)
+    fine = one.model.response(sweep(*turns, samples=40), one.start_torque)[::39]
+    solved = integrate(reference_of(one.model, turns, one.start_torque), turns, 1e-12)
+    readable = reference_of(one.model, turns, one.start_torque)
+    np.testing.assert_allclose(fine, solved, atol=2e-8)
+    np.testing.assert_allclose(torque, solved, atol=2e-7)
+    np.testing.assert_allclose([readable.move(angle) for angle in turns], solved, atol=1e-6)
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -213,24 +235,10 @@ def dissipative_models(draw):
         stiffness, up, down = 10 ** rng.uniform(-1, 1, 3)
         spring = np.append(0.0, rng.normal(size=rng.integers(0, 4)))
         model = Duhem(spring=spring, stiffness=stiffness, friction_up=up, friction_down=down)
+    elif kind == 3:
+        model = replace(draw(stops(idle=False)), rest_angle=0.0)
     else:
-        size, hinges = int(rng.integers(1, 9)), int(rng.integers(1, 7))
-        thresholds, weights = np.cumsum(rng.uniform(0.01, 0.5, size)), rng.uniform(0, 5, size)
-        model = stops = PrandtlIshlinskii(
-            stiffness=rng.uniform(0, 3), thresholds=thresholds, weights=weights
-        )
-        if kind == 3 and rng.integers(2):
-            stiffness = stops.stiffness + weights.sum()
-            model = replace(stops, stiffness=stiffness, weights=-weights, operator="play")
-        if kind == 4:
-            slopes = rng.integers(0, 2, hinges + 1) * 10 ** rng.uniform(-1, 1, hinges + 1)
-            model = HingedStops(
-                stiffness=stops.stiffness,
-                thresholds=thresholds,
-                weights=weights,
-                knots=np.cumsum(rng.uniform(0.05, 2, hinges)) - rng.uniform(0, 5),
-                slopes=slopes,
-            )
+        model = replace(draw(hinged()), rest_angle=0.0, offset=0.0)
     if draw(st.booleans()):
         model = Asymmetric(model=model, polynomial=rng.normal(size=3).tolist())
     return model

@@ -14,7 +14,6 @@ from activesuit.hysteresis import (
 )
 from activesuit.hysteresis.around import backlash_kernels as kernels
 from activesuit.hysteresis.protocol import follow
-from activesuit.identification.judging.faults import played
 from helpers import sweep
 from known_models import ELBOW, IN_A_RANGE
 
@@ -103,16 +102,6 @@ def test_the_work_is_what_the_model_takes_and_closed_cycles_give_no_energy():
             change = np.subtract(joint.energy(last), joint.energy(first)).sum()
             work = np.trapezoid(joint.response(angle), angle)
             assert work == pytest.approx(change, abs=1e-5)
-
-
-def test_play_before_a_model_would_give_energy(elbow):
-    cycle = sweep(0.7, 1.0, 0.7, samples=2000)
-    angle = np.concatenate([[0.52], np.tile(cycle, 4)])
-    last = slice(-cycle.size, None)
-    before = elbow.response(played(angle, GAP))
-    assert np.trapezoid(before[last], angle[last]) == pytest.approx(-0.0685, abs=1e-4)
-    behind = Backlash(model=elbow, gap=GAP).response(angle)
-    assert np.trapezoid(behind[last], angle[last]) > 0
 
 
 def test_the_certificate_is_that_of_what_the_suit_can_reach(elbow, shoulder):

@@ -53,7 +53,7 @@ def test_ten_thousand_random_closed_cycles_dissipate(elbow):
         element = {"relaxation_stiffness": stiffness, "relaxation_time": relaxation}
         joint = Viscoelastic(model=elbow, damping=damping, **element)
         turns = rng.uniform(0.52, 1.57, 6)
-        rate, state = joint.begun(), joint.start(turns[0])
+        rate, state = joint.numbers, joint.start(turns[0])
         kernels.relax(rate, turns[0], 1.0)
         losses = [0.0]
         for turn in (*turns[1:], turns[0]):
@@ -69,7 +69,7 @@ def test_ten_thousand_random_closed_cycles_dissipate(elbow):
 
 def test_the_work_is_stored_and_dissipated(joint):
     time, angle = moved(20_001)
-    rate, torque = joint.begun(), np.empty_like(angle)
+    rate, torque = joint.numbers, np.empty_like(angle)
     kernels.follow(rate, time, angle, torque)
     work = np.trapezoid(joint.rate_torque(angle, time), angle)
     stored = rate[kernels.TORQUE] ** 2 / (2 * joint.relaxation_stiffness)

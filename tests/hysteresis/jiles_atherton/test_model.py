@@ -5,25 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.benchmarks.references import integrate, reference_of
 from activesuit.hysteresis import JilesAtherton, PoleError
-from helpers import TABLE_2, assert_refused, sweep
-
-
-def eq_4(model: JilesAtherton, turns, initial=0.0):
-    """Eq. (4) as printed, by DOP853; torque at each turn."""
-    return integrate(reference_of(model, np.array(turns), initial), np.array(turns), 1e-12)
-
-
-@pytest.mark.parametrize("name", TABLE_2)
-def test_agrees_with_the_equation(table_2, name):
-    turns = (0.4, 1.1, 0.5, 0.9, 0.45, 1.2, 0.35)
-    expected = eq_4(table_2[name], turns)
-    samples = 40
-    torque = table_2[name].response(sweep(*turns, samples=samples))[:: samples - 1]
-    np.testing.assert_allclose(torque, expected, atol=2e-8)
-    # The steps are exact enough to take each branch at once.
-    np.testing.assert_allclose(table_2[name].response(turns), expected, atol=2e-7)
+from helpers import assert_refused, sweep
 
 
 def test_published_turning_torques(shoulder):
@@ -83,9 +66,9 @@ def test_pole_is_an_error_that_says_where(shoulder):
 
 def test_bad_parameters(elbow):
     rows = [
-        ({"Ms": 0.0}, "Ms is 0.0: it must be above 0"),
-        ({"a": -1.0}, "a is -1.0: it must be above 0"),
-        ({"k": 0.0}, "k is 0.0: it must be above 0"),
+        ({"Ms": 0.0}, r"Ms is 0\.0 N·m: give a number above 0"),
+        ({"a": -1.0}, r"a is -1\.0 deg: give a number above 0"),
+        ({"k": 0.0}, r"k is 0\.0 deg: give a number above 0"),
         ({"alpha": math.nan}, "alpha is nan: give a finite number"),
         ({"k": math.inf}, "k is inf: give a finite number"),
         ({"c": 0.5}, "c is 0.5: below 1 .* allow_active=True"),

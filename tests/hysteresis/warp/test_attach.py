@@ -14,7 +14,6 @@ from activesuit.hysteresis import (
     Asymmetric,
     Backlash,
     Clipped,
-    JilesAtherton,
     UncertifiedModelError,
     Viscoelastic,
 )
@@ -58,12 +57,7 @@ def joints():
         polynomial=(0.3, -0.5, 0.8),
     )
     around = Viscoelastic(model=Backlash(model=bent, gap=0.05), **RATE)
-    active = {"angle_unit": "deg", "form": "original", "allow_active": True}
-    other = JilesAtherton(Ms=12, a=40, alpha=1.0, c=0.2, k=20, **active)
     found["around"] = replace(one, name="around", model=around, start_torque=0.0)
-    found["original"] = replace(
-        one, name="original", model=other, low=-1.0, high=1.0, start_torque=0.0
-    )
     return {name.replace(" ", "_").replace(",", ""): example for name, example in found.items()}
 
 
@@ -144,7 +138,7 @@ def torques(model, angle, torque, angles):
     found = model.response([angle, *angles], torque)[1:]
     if isinstance(model, Viscoelastic):
         element = np.empty(angles.size)
-        viscoelastic_kernels.follow(model.begun(), DT * np.arange(angles.size), angles, element)
+        viscoelastic_kernels.follow(model.numbers, DT * np.arange(angles.size), angles, element)
         found += element + model.damping * np.diff(angles, prepend=angles[0]) / DT
     return found
 
