@@ -9,6 +9,9 @@
 # [3_validate.py](3_validate.py).
 
 # %%
+import json
+
+import matplotlib.pyplot as plt
 from activesuit.scripts.main import main
 
 # %% [markdown]
@@ -47,8 +50,20 @@ main(line.split())
 
 # %% [markdown]
 # Each cell of the table has the error of the believed torque, the relief, and a verdict of the
-# torque alone. `compared/result.json` has all numbers for other programs.
-#
+# torque alone. `compared/result.json` has all numbers for other programs:
+
+# %%
+with open("compared/result.json", encoding="utf-8") as file:
+    cells = json.load(file)["cells"]
+relief = [cell["relief"] for cell in cells]
+errors = [[abs(one[end] - one["value"]) for one in relief] for end in ("low", "high")]
+figure, axes = plt.subplots(num="Relief by each believed suit, with intervals", figsize=(8.4, 2))
+believed = [cell["believed"] for cell in cells]
+axes.errorbar([one["value"] for one in relief], believed, xerr=errors, fmt="o", capsize=4)
+axes.set(xlabel="relief: 0 is no exoskeleton, 1 is no suit", xlim=(0, 1), ylim=(-0.5, 1.5))
+plt.show()
+
+# %% [markdown]
 # ## Where to go
 #
 # Your model is good enough when a better one brings no more relief. Then look at the controller:

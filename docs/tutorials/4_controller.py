@@ -9,6 +9,7 @@
 
 # %%
 import gymnasium
+import matplotlib.pyplot as plt
 import numpy as np
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.plant import Plant
@@ -117,6 +118,17 @@ found = evaluate(
 )
 for name, score in found.scores.items():
     print(f"{name:18} relief {found.relief(name)}, went well {sum(score.success)} of 8")
+
+# %%
+names = [name for name in found.scores if name not in ("unsuited", "suited")]
+relief = [found.relief(name) for name in names]
+figure, axes = plt.subplots(num="Relief of five controllers, with intervals", figsize=(8.4, 2.6))
+errors = [[one.value - one.low for one in relief], [one.high - one.value for one in relief]]
+axes.errorbar([one.value for one in relief], names, xerr=errors, fmt="o", capsize=4)
+axes.axvline(0, color="C4", linewidth=0.8)
+axes.set(xlabel="relief: 0 is no exoskeleton, 1 is no suit")
+axes.invert_yaxis()
+plt.show()
 
 # %% [markdown]
 # Intervals that overlap do not say that two controllers are alike, since both had the same
