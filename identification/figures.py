@@ -12,8 +12,8 @@ from ..plots import Band, Line, Mark, Panel, Plot
 from .data.curves import Curve
 from .data.parts import drawn_note, drawn_samples
 from .fit import Fit
+from .judging.sentences import DESCRIBES
 from .judging.uncertainty import Uncertainty
-from .judging.verdict import DESCRIBES
 from .selection import Selection
 
 ROLES = {"fit": "fitted", "predict": "predicted"}

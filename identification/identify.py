@@ -6,7 +6,8 @@ from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError
-from .corrections.corrections import Corrections, averaged, cycles_of
+from .corrections.corrections import Corrections
+from .corrections.cycles import averaged_cycles, cycles_of
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import questions
@@ -76,7 +77,7 @@ def identify(
     if corrections.average_cycles:
         counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
         notes.append(f"mean of the cycles after the first: {counts}")
-        family = averaged(family, corrections)
+        family = averaged_cycles(family)
     used = replace(corrections, average_cycles=False)
     given = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
     if method is None:

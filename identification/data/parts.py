@@ -13,6 +13,7 @@ from ...hysteresis.loops import estimate_dead_band, reversals
 from .curves import Curve, Curves
 
 FITTED = 50_000  # approximate number of samples of all curves of a fit together
+JUDGED = 5_000  # the same of a verdict: more take long and add little
 DRAWN = 4_000  # approximate number of points of all curves of a panel together
 LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
 LEAST_TURNS = 3  # fewer in the last two thirds of a record ask nothing
@@ -32,18 +33,6 @@ def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:
     family = Curves(curves)
     short = (_picked(curve, kept_samples(curve.angle, every)) for curve in family)
     return family.of(short)
-
-
-def thinning_note(curves: Sequence[Curve], most: int = FITTED) -> str:
-    """Returns what `thinned` does to these curves, as a sentence; empty if it does nothing."""
-    every = _step(curves, most)
-    if every == 1:
-        return ""
-    used = _samples(thinned(curves, most))
-    return (
-        f"{used:,} of {_samples(curves):,} samples are used: one in {every} of each curve, its "
-        "ends and its turning points"
-    )
 
 
 def drawn_samples(curves: Sequence[Curve], most: int = DRAWN) -> list[NDArray[np.intp]]:

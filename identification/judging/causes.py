@@ -19,10 +19,10 @@ from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..fits.objective import InitialTorque, predicted
 from ..fits.tangent import Coordinates
-from .faults import Fault, Hypothesis, fault_remark, hypotheses
+from .faults import Fault, Hypothesis, hypotheses
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
-from .remarks import Remark
+from .sentences import Remark
 
 RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
 ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
@@ -64,8 +64,21 @@ class Cause:
 
     @property
     def remark(self) -> Remark:
-        """The fault in words, and its remedy."""
-        return fault_remark(self.name, self.size, self.curve)
+        """The fault and its remedy."""
+        size = self.size
+        return Remark(
+            self.name,
+            {
+                "size": size,
+                "length": abs(size),
+                "degrees": math.degrees(size),
+                "percent": 100 * size,
+                "change": 100 * abs(size),
+                "when": "after" if size > 0 else "before",
+                "more": "larger" if size > 0 else "smaller",
+                "curve": self.curve,
+            },
+        )
 
 
 class Residual(NamedTuple):

@@ -24,6 +24,7 @@ from ..fits.objective import InitialTorque, predicted, torque_errors
 from ..fits.registry import fit_model
 from .coverage import NESTED, motion_coverage
 from .noise import GRID, Noise
+from .sentences import Remark
 from .uncertainty import Uncertainty, uncertainty
 
 NEARLY = 1.3  # largest left-out error of a member, relative to the least one
@@ -341,12 +342,17 @@ class Agreement(NamedTuple):
         half_width: Largest mean half width of a motion's band [N·m]; without a band half the
             difference of the models, and infinite where they cannot be compared.
         tested: Whether that is the width of a band that left-out curves have tested.
-        sentence: Both in words.
+        remark: Both, for their sentence.
     """
 
     half_width: float
     tested: bool
-    sentence: str
+    remark: Remark
+
+    @property
+    def sentence(self) -> str:
+        """The agreement in words."""
+        return self.remark.sentence
 
 
 def agreement(found: Ensemble, motions: Sequence[Motion], peak: float) -> Agreement | None:
@@ -367,24 +373,15 @@ def agreement(found: Ensemble, motions: Sequence[Motion], peak: float) -> Agreem
         ]
         bands, tested = _bands(found, curves)
     except InputError as error:
-        return _unknown(str(error))
+        return Agreement(math.inf, False, Remark("agreement unknown", {"why": str(error)}))
     half = max(float(np.mean(high - low)) / 2 for low, high in bands)
     if not math.isfinite(half):
-        return _unknown("one of them meets its pole there")
-    within = f"{half:.2g} N·m ({half / peak:.1%} of the peak)"
-    if tested:
-        by = f"curve {found.nested[0]!r}" if found.nested else "left-out curves"
-        sentence = (
-            f"on the intended motion the torque is within {within} at {LEVEL:.0%}, over all kinds "
-            f"of model and tested by predictions of {by}"
-        )
-    else:
-        sentence = (
-            f"on the intended motion the {len(found.members)} kinds of model that predict the "
-            f"curves are within {within} of each other's middle, but no curve has loops inside "
-            "loops to test them: all may be wrong together"
-        )
-    return Agreement(half, tested, sentence)
+        why = "one of them meets its pole there"
+        return Agreement(half, False, Remark("agreement unknown", {"why": why}))
+    by = f"curve {found.nested[0]!r}" if found.nested else "left-out curves"
+    values = {"half_width": half, "share": half / peak, "level": LEVEL, "by": by}
+    kind = "agreement tested" if tested else "agreement"
+    return Agreement(half, tested, Remark(kind, values | {"members": len(found.members)}))
 
 
 def _bands(found: Ensemble, curves: Sequence[Curve]) -> tuple[list[tuple[Array, Array]], bool]:
@@ -394,14 +391,8 @@ def _bands(found: Ensemble, curves: Sequence[Curve]) -> tuple[list[tuple[Array, 
     except InputError:
         if found.tested:
             raise
-        return [_between(found, curve) for curve in curves], False
-
-
-def _between(found: Ensemble, curve: Curve) -> tuple[Array, Array]:
-    torque = [predicted(one.model, one.initial_torque, curve) for one in found.members]
-    return np.min(torque, axis=0), np.max(torque, axis=0)
-
-
-def _unknown(why: str) -> Agreement:
-    sentence = f"the kinds of model cannot be compared on the intended motion: {why}"
-    return Agreement(math.inf, False, sentence)
+    bands = []
+    for curve in curves:
+        torque = [predicted(one.model, one.initial_torque, curve) for one in found.members]
+        bands.append((np.min(torque, axis=0), np.max(torque, axis=0)))
+    return bands, False

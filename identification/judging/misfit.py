@@ -21,7 +21,7 @@ from ...hysteresis.loops import branches, reversals
 from ..data.curves import Curve, Curves
 from ..fits.tangent import beside, independent
 from .noise import EVEN, GRID, Noise, Uneven, estimate_noise, whiten
-from .remarks import Remark
+from .sentences import Remark
 
 BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
 LEAST_FREEDOM = 5  # least excess of samples over columns; few samples allow fewer columns
@@ -195,15 +195,8 @@ def outliers(
     inner = np.concatenate([one[1:-1] for one in np.split(scale, ends)])
     far = (usual * inner * size[1:-1])[peaks & (size[1:-1] > FAR)]
     if far.size >= FEWEST:
-        return [
-            Remark(
-                "outliers",
-                f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
-                f"{FAR:g} times the usual deviation: remove these outliers, or search with an "
-                "objective that bears them, such as by sa-pso",
-                ("objective", "robust"),
-            )
-        ]
+        values = {"count": far.size, "torque": float(far.max()), "far": FAR}
+        return [Remark("outliers", values)]
     return _runs(parts, np.split(scale, ends), curves)
 
 
@@ -224,16 +217,9 @@ def _runs(parts: Sequence[Array], scales: Sequence[Array], curves: Sequence[Curv
                 at = int(np.argmax(np.abs(free)))
                 height = float(free[at] * scale[at + length])
                 best = (size, height, at + length, length, curve.name)
-    _, height, begin, length, name = best
-    if not name:
-        return []
-    return [
-        Remark(
-            "outliers",
-            f"{length} samples of curve {name!r} from sample {begin} on are {height:+.2g} N·m off "
-            f"those before and after, {best[0]:.0f} times the usual deviation: remove this run",
-        )
-    ]
+    times, height, begin, length, name = best
+    values = {"times": times, "torque": height, "begin": begin, "count": length, "curve": name}
+    return [Remark("outliers run", values)] if name else []
 
 
 def _apart(values: Array, length: int) -> Array:

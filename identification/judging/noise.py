@@ -90,10 +90,6 @@ class Noise:
         """The part of the deviation in proportion to the torque, as a share of it."""
         return self.constant * self.uneven.ratio
 
-    def __str__(self) -> str:
-        constant = f"{self.constant:.2g} N·m"
-        return f"{constant} and {100 * self.share:.2g} % of the torque" if self.share else constant
-
     @property
     def white(self) -> float:
         """Probability that the noise is white."""

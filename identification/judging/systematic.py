@@ -12,6 +12,7 @@ from ...hysteresis.around import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from .noise import GRID, Noise
+from .sentences import sentence
 
 DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not determine
 UNLIKELY = 1e-3  # weight of a noise that is left out
@@ -119,13 +120,13 @@ def systematic(
     offset, *others = map(term, asked.T, rests.T)
     most, left_open = LARGE * curves.peak, []
     if offset.deviation > most:
-        left_open.append("an offset of the torque sensor, if it was not zeroed")
+        left_open.append(sentence("left open offset"))
     damping = others[0] if others else None
     if not isinstance(model, Viscoelastic):
         fastest = 0.0 if rate is None else float(np.abs(rate).max())
         if damping is None or damping.deviation * fastest > most:
-            seen = "no times" if damping is None else f"rates up to {fastest:.2g} rad/s"
-            left_open.append(f"torque that depends on the rate (the curves have {seen})")
+            kind = "left open times" if damping is None else "left open rate"
+            left_open.append(sentence(kind, fastest=fastest))
             damping = None
     return Systematic(
         offset=None if offset.deviation > most else offset,

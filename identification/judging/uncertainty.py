@@ -12,16 +12,14 @@ from ...checks import at_least, check_seed
 from ...errors import InputError, shown
 from ...hysteresis.around import Clipped, Viscoelastic
 from ...hysteresis.jiles_atherton.kernels import is_exact
-from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
+from ...hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
-from ..data.parts import thinned
 from ..fits.certified import refined
-from ..fits.objective import CurveObjective, InitialTorque, sample_weights, torque_errors
+from ..fits.objective import InitialTorque, sample_weights, torque_errors
 from ..fits.registry import FITS, fit_model, play_of, rate_of, without_play
 from ..fits.search import MARGIN
 from ..fits.tangent import STEP, Coordinates, coordinates_of, tangent
-from .likelihood import Likelihood, sloppy_directions
 from .noise import Noise, estimate_noise, uneven_noise
 from .systematic import Systematic, Term, estimator_covariance, rates_of, systematic
 
@@ -46,8 +44,6 @@ class Uncertainty:
         correlation: Correlation of their coordinates, shape (n, n).
         condition: Condition number of the derivatives with respect to relative changes of the
             parameters: how many times better the best known combination is known than the worst.
-        sloppy: Combinations and limits that the curves do not determine, as sentences; empty if
-            there are none.
         intervals: The 95 % interval of each parameter, lower and upper end, shape (n, 2). Each is
             valid for its own parameter, not for all at once. Where the certificate binds, it is
             one-sided in the direction of the certificate's margin. Where the curves set no limit,
@@ -69,7 +65,6 @@ class Uncertainty:
     standard_errors: Array
     correlation: Array
     condition: float
-    sloppy: tuple[str, ...]
     intervals: Array
     samples: tuple[HysteresisModel, ...]
     offset: Term | None
@@ -79,6 +74,16 @@ class Uncertainty:
     _coordinates: Coordinates = field(repr=False)
     _covariance: Array = field(repr=False)
     _limit: Array | None = field(repr=False)
+
+    @property
+    def open_ends(self) -> dict[str, list[str]]:
+        """Names of the parameters that the curves do not limit, by the end that is missing."""
+        low = self.intervals[:, 0] == self._coordinates.least
+        high = self.intervals[:, 1] == np.inf
+        ends = {"limit": low & high, "lower limit": low & ~high, "upper limit": high & ~low}
+        return {
+            end: np.array(self.names)[here].tolist() for end, here in ends.items() if here.any()
+        }
 
     def band(self, curve: Curve) -> tuple[Array, Array]:
         """Returns the ends of the 95 % interval of the torque along a curve [N·m], (samples,) each.
@@ -110,8 +115,7 @@ def uncertainty(
 
     Args:
         model: Identified model of any kind, whose fit minimized squares.
-        curves: Curves that it was fitted to; those with role "fit" are used. Of more than 50,000
-            samples only those count that `thinned` leaves, which widens the intervals.
+        curves: Curves that it was fitted to; those with role "fit" are used.
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
@@ -120,7 +124,7 @@ def uncertainty(
     """
     at_least("samples", samples, 0)
     check_seed(seed)
-    measured = thinned(Curves(curves).fitted())
+    measured = Curves(curves).fitted()
     coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
     sizes = [curve.torque.size for curve in measured]
     if sum(sizes) <= coordinates.values.size:
@@ -158,10 +162,6 @@ def uncertainty(
         standard_errors=deviation * coordinates.slopes(),
         correlation=covariance / np.outer(deviation, deviation),
         condition=float(np.linalg.cond(slopes * steps)),
-        sloppy=(
-            *_directions(model, measured, initial_torque, fitted_start),
-            *open_ends(coordinates, intervals),
-        ),
         intervals=intervals,
         samples=refits,
         offset=allowed.offset,
@@ -205,19 +205,6 @@ def _intervals(
     return np.column_stack([low, high])
 
 
-def open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
-    """Yields sentences on the parameters whose intervals, shape (n, 2), have no end."""
-    names, (low, high) = np.array(coordinates.names), intervals.T
-    low_open, high_open = low == coordinates.least, high == np.inf
-    for end, is_open in (
-        ("limit", low_open & high_open),
-        ("lower limit", low_open & ~high_open),
-        ("upper limit", high_open & ~low_open),
-    ):
-        if is_open.any():
-            yield f"the curves set no {end} to {', '.join(names[is_open])}"
-
-
 def _binding(coordinates: Coordinates) -> Array | None:
     """Returns the derivative of the certificate's margin where the fit ended at its limit."""
     margin = _margin(coordinates, coordinates.point)
@@ -254,26 +241,6 @@ def _row(
     degrees = model.in_unit("deg")
     row = np.array([getattr(degrees, name) for name in PARAMETERS])
     return (np.append(row, float(start)), "identified") if fitted_start else (row, start)
-
-
-def _directions(
-    model: HysteresisModel,
-    curves: Sequence[Curve],
-    initial_torque: InitialTorque,
-    fitted_start: bool,
-) -> Iterator[str]:
-    """Yields sentences on the parameters of a Jiles-Atherton model; none for other models."""
-    inner = _bare(model)
-    if inner is None:
-        return
-    if isinstance(model, Clipped):
-        curves = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in curves]
-    row, start = _row(inner, initial_torque, fitted_start)
-    likelihood = Likelihood(CurveObjective(curves, initial_torque=start), row)
-    unit = UNIT_PER_RADIAN[inner.angle_unit] / UNIT_PER_RADIAN["deg"]
-    units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
-    unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
-    yield from sloppy_directions(likelihood, units, unit_names)
 
 
 def _repetitions(
