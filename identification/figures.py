@@ -21,25 +21,15 @@ COLUMNS = ["joint", "curve", "role", "angle_rad", "measured_nm", "model_nm", "lo
 
 
 class Compared(NamedTuple):
-    """A measured curve beside a model, thinned for figures.
-
-    Attributes:
-        curve: The measured curve.
-        angle: Angle [rad], shape (samples,), as all that follow.
-        measured: Measured torque [N·m].
-        model: Torque of the model [N·m]; NaN without one.
-        low: Lower end of the torque's band [N·m]; NaN without one.
-        high: Its upper end [N·m].
-        note: How many samples there are, where some are left out.
-    """
+    """A measured curve beside a model, thinned for figures; all arrays have shape (samples,)."""
 
     curve: Curve
-    angle: Array
-    measured: Array
-    model: Array
-    low: Array
-    high: Array
-    note: str = ""
+    angle: Array  # [rad]
+    measured: Array  # torque [N·m]
+    model: Array  # torque of the model [N·m]; NaN without one
+    low: Array  # lower end of the torque's band [N·m]; NaN without one
+    high: Array  # its upper end [N·m]
+    note: str = ""  # how many samples there are, where some are left out
 
 
 def compared(
@@ -120,7 +110,8 @@ def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float =
         ]
         left: list[Mark] = []
         for label, ones in here.items() if fitted else ():
-            marks += [Band(x.angle, x.low, x.high, label) for x in ones if _known(x.low)]
+            known = [x for x in ones if np.isfinite(x.low).any()]
+            marks += [Band(x.angle, x.low, x.high, label) for x in known]
             marks += [Line(x.angle, x.model, label) for x in ones]
             left += [
                 Line(x.angle[way], (x.measured - x.model)[way], name, points=True)
@@ -133,20 +124,15 @@ def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float =
         residuals.append(
             Panel(x="angle [rad]", y="measured less model [N·m]", marks=left, levels=zero)
         )
-    title = f"Loops of the {joint.replace('_', ' ')}"
     panels = [*loops, *residuals] if fitted else loops
-    return Plot(title=title, panels=panels, columns=len(roles))
-
-
-def _known(values: Array) -> bool:
-    return bool(np.isfinite(values).any())
+    return Plot(panels, f"Loops of the {joint.replace('_', ' ')}", columns=len(roles))
 
 
 def _branches(angle: Array, label: str) -> dict[str, NDArray[np.bool_]]:
     """Returns which samples are on ascending and which on descending branches, by name."""
-    up = np.gradient(angle) >= 0
     if label:
         return {label: np.ones(angle.size, bool)}
+    up = np.gradient(angle) >= 0
     return {"residual, ascending": up, "residual, descending": ~up}
 
 

@@ -134,9 +134,6 @@ class Selection:
         Args:
             curve: Motion; its torque is used only where the fit began with the measured one.
             level: Share of the samples that the band is to contain, between 0 and 1.
-
-        Raises:
-            InputError: All models meet a pole, or see `Ensemble.band`.
         """
         if self.ensemble is None:
             raise InputError("every model meets its pole on the curves: there is no band")
@@ -195,9 +192,6 @@ def select(
         on_candidate: Function that gets each model as soon as it was tried.
         on_trial: Function that gets the fit of the chosen model.
         **old: Names of version 0.2, which are refused with the new one.
-
-    Raises:
-        InputError: There is too little to leave out, no model can be fitted, or see `fit_curves`.
     """
     refuse_unknown(old)
     check_beginning(initial_torque)

@@ -20,13 +20,8 @@ def averaged_cycles(curves: Sequence[Curve]) -> Curves:
     The noise of that mean is smaller by the root of the number of cycles, and what changes from
     cycle to cycle is gone. The first cycle stays as measured: a model runs through it, so that its
     memory is right where the mean begins. Each branch is averaged at equal shares of its way;
-    angles, torques and times are the means of those of the cycles.
-
-    Args:
-        curves: Records that go to and fro between two angles; first cycles need not be steady.
-
-    Raises:
-        InputError: A record has fewer than 3 cycles, or they do not turn at the same two angles.
+    angles, torques and times are the means of those of the cycles. Records go to and fro between
+    the same two angles, at least three times; first cycles need not be steady.
     """
     family = Curves(curves)
     return family.of(map(_averaged, family))
@@ -47,7 +42,14 @@ def _averaged(curve: Curve) -> Curve:
             "measure more cycles, or leave average_cycles out"
         )
     turns = ends[2 : 3 + 2 * count]
-    _refuse_uneven(curve, turns)
+    angles, near = curve.angle[turns], TOLERANCE * float(np.ptp(curve.angle))
+    for part in (angles[::2], angles[1::2]):
+        if np.ptp(part) > near:
+            raise InputError(
+                f"curve {curve.name!r} turns between {part.min():.4g} and {part.max():.4g} rad on "
+                f"one side: cycles that are averaged turn within {near:.2g} rad; leave "
+                "average_cycles out"
+            )
     time = np.zeros_like(curve.angle) if curve.time is None else curve.time
     record = np.stack([curve.angle, curve.torque, time])
     rows = [record[:, : turns[0] + 1]]
@@ -69,17 +71,6 @@ def _ends(curve: Curve) -> list[int]:
     near = TOLERANCE * float(np.ptp(curve.angle))
     whole = len(ends) > 3 and abs(curve.angle[ends[-1]] - curve.angle[ends[-3]]) <= near
     return ends if whole else ends[:-1]
-
-
-def _refuse_uneven(curve: Curve, turns: Sequence[int]) -> None:
-    angles, near = curve.angle[list(turns)], TOLERANCE * float(np.ptp(curve.angle))
-    for part in (angles[::2], angles[1::2]):
-        if np.ptp(part) > near:
-            raise InputError(
-                f"curve {curve.name!r} turns between {part.min():.4g} and {part.max():.4g} rad on "
-                f"one side: cycles that are averaged turn within {near:.2g} rad; leave "
-                "average_cycles out"
-            )
 
 
 def _at_shares(branch: Array, share: Array) -> Array:

@@ -54,10 +54,6 @@ def load_curves(
 
     Returns:
         The curves, with the names of the files and a hash of their contents.
-
-    Raises:
-        InputError: A file is missing or contains anything but usable curves; the message names the
-            line.
     """
     if not paths:
         raise InputError("there is no file of curves: give at least one")
@@ -184,11 +180,7 @@ def save_curves(
     """Writes curves so that `load_curves` reads them back.
 
     Angles are kept to 1e-6 rad and torques to 1e-6 N·m, or to 9 digits where all are below 1 N·m.
-
     There is a column `time_s` if any of them has its time.
-
-    Raises:
-        InputError: Two curves share a name, or the file cannot be written.
     """
     names = [curve.name for curve in curves]
     for name in names:
@@ -227,10 +219,6 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
             of the joint [rad], as the motions of tasks have; and with `time_s` (or `time`), which
             may be missing.
         joint: Name of the joint; None if the file has one joint only.
-
-    Raises:
-        InputError: The file is missing, has none of these columns, or contains anything but a
-            motion; the message names the line.
     """
     path = Path(path)
     known = {*ANGLES, *TIMES, *([joint] if joint else [])}

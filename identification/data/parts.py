@@ -31,7 +31,7 @@ def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:
     if every == 1:
         return Curves(curves)
     family = Curves(curves)
-    short = (_picked(curve, kept_samples(curve.angle, every)) for curve in family)
+    short = (picked(curve, kept_samples(curve.angle, every)) for curve in family)
     return family.of(short)
 
 
@@ -65,7 +65,8 @@ def kept_samples(angle: Array, every: int) -> NDArray[np.intp]:
     return np.union1d(regular, turns)
 
 
-def _picked(curve: Curve, indices: NDArray[np.intp]) -> Curve:
+def picked(curve: Curve, indices: NDArray[np.intp] | slice) -> Curve:
+    """Returns a curve of some samples of another."""
     time = None if curve.time is None else curve.time[indices]
     return replace(curve, angle=curve.angle[indices], torque=curve.torque[indices], time=time)
 
@@ -79,17 +80,11 @@ def _samples(curves: Sequence[Curve]) -> int:
 
 
 class Question(NamedTuple):
-    """A part of the curves that a fit to the others has to predict.
+    """A part of the curves that a fit to the others has to predict."""
 
-    Attributes:
-        known: Curves to fit.
-        curve: Curve along which the model runs, from its beginning.
-        asked: Samples of it on which the prediction is judged.
-    """
-
-    known: list[Curve]
-    curve: Curve
-    asked: slice
+    known: list[Curve]  # to fit
+    curve: Curve  # along which the model runs, from its beginning
+    asked: slice  # samples of the curve on which the prediction is judged
 
     @property
     def beyond(self) -> bool:
@@ -139,7 +134,7 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
     chosen = [origins[i] for i in spread.tolist()]
     ends = [*chosen[1:], record.angle.size - 1]
     return [
-        Question([_until(record, begin)], record, slice(begin + 1, end + 1))
+        Question([picked(record, slice(begin + 1))], record, slice(begin + 1, end + 1))
         for begin, end in zip(chosen, ends, strict=True)
         if end > begin
     ]
@@ -148,10 +143,3 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
 def _covers(known: Array, asked: Array) -> bool:
     more = BEYOND * float(np.ptp(known))
     return bool(asked.min() >= known.min() - more and asked.max() <= known.max() + more)
-
-
-def _until(record: Curve, last: int) -> Curve:
-    """Returns the beginning of a record, up to a sample."""
-    here = slice(last + 1)
-    time = None if record.time is None else record.time[here]
-    return replace(record, angle=record.angle[here], torque=record.torque[here], time=time)

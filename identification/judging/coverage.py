@@ -5,9 +5,9 @@ motion differs from them, which this module expresses in numbers.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,10 +64,6 @@ class Coverage:
         """Largest less smallest angle [rad]."""
         return self.range[1] - self.range[0]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Returns all fields as plain values."""
-        return asdict(self)
-
 
 def coverage(curves: Sequence[Curve]) -> Coverage:
     """Returns the coverage of measured curves."""
@@ -75,11 +71,7 @@ def coverage(curves: Sequence[Curve]) -> Coverage:
 
 
 def motion_coverage(motions: Iterable[Motion]) -> Coverage:
-    """Returns the coverage of motions of one joint.
-
-    Args:
-        motions: Times, if they are known, and angles of each.
-    """
+    """Returns the coverage of motions of one joint."""
     given = [(time, finite_series("angle", angle, "rad")) for time, angle in motions]
     if not given:
         raise InputError("there is no motion: give at least one")
@@ -113,12 +105,7 @@ def any_motion(measured: Coverage) -> Coverage:
 
 
 def shortfalls(measured: Coverage, needed: Coverage) -> list[Remark]:
-    """Returns a remark for each need of a motion that the curves do not cover.
-
-    Args:
-        measured: Coverage of the curves.
-        needed: Coverage of the intended motion.
-    """
+    """Returns a remark for each need of an intended motion that measured curves do not cover."""
     return [*_shortfalls(measured, needed)]
 
 

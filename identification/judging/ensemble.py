@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 
 from ...arrays import Array
 from ...checks import at_least, check_seed, number
@@ -134,7 +135,7 @@ class Ensemble:
         variance = weight @ (torque - mean) ** 2
         if len(weight) > 1:
             variance = variance * len(weight) / (len(weight) - 1)
-        half = _quantile((1 + level) / 2) * np.sqrt(variance + self.excess**2)
+        half = ndtri((1 + level) / 2) * np.sqrt(variance + self.excess**2)
         return mean - half, mean + half
 
     def measured_band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
@@ -142,7 +143,7 @@ class Ensemble:
         low, high = self.band(curve, level)
         middle = (low + high) / 2
         noise = self.noise.deviation * self.noise.uneven.at(middle)
-        half = np.hypot((high - low) / 2, _quantile((1 + level) / 2) * noise)
+        half = np.hypot((high - low) / 2, ndtri((1 + level) / 2) * noise)
         return middle - half, middle + half
 
     def to_dict(self) -> dict[str, Any]:
@@ -208,7 +209,7 @@ def ensemble(
         nested, beyond = [], {one.name: np.empty(0) for one in tried}
     left_out = {one.name: one.prediction_errors for one in tried}
     errors_of = {name: np.concatenate([left_out[name], more]) for name, more in beyond.items()}
-    score = {name: _rms(errors) for name, errors in errors_of.items()}
+    score = {name: math.sqrt(np.mean(errors**2)) for name, errors in errors_of.items()}
     best = min(score, key=lambda name: score[name])
     kept = [one for one in tried if score.get(one.name, math.inf) <= NEARLY * score[best]]
     kept.sort(key=lambda one: score[one.name])
@@ -238,7 +239,7 @@ def ensemble(
 
 def drawn(
     found: Ensemble,
-    curves: Sequence[Curve],
+    measured: Curves,
     initial_torque: InitialTorque,
     samples: int,
     seed: int,
@@ -251,17 +252,20 @@ def drawn(
 
     Args:
         found: Ensemble.
-        curves: Curves that it was fitted to; those with role "fit" are used.
+        measured: Curves that it was fitted to.
         initial_torque: Torque with which the joint begins [N·m]; or "measured".
         samples: Number of models.
         seed: Seed of all that is drawn.
     """
     at_least("samples", samples, 0)
     check_seed(seed)
-    measured = Curves(curves).fitted()
     start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
     can_begin = [one for one in found.members if begins_safely(one.model, start, measured)]
-    counts = shared([one.weight for one in can_begin], samples)
+    weights = np.array([one.weight for one in can_begin])
+    # Whole numbers in proportion to the weights, by the largest remainder.
+    wanted = samples * weights / weights.sum() if can_begin else weights
+    counts = np.floor(wanted).astype(int)
+    counts[np.argsort(counts - wanted, kind="stable")[: samples - counts.sum()]] += 1
     return [
         uncertainty(
             one.model,
@@ -271,18 +275,9 @@ def drawn(
             samples=count,
             seed=seed + i,
         )
-        for i, (one, count) in enumerate(zip(can_begin, counts, strict=True))
+        for i, (one, count) in enumerate(zip(can_begin, counts.tolist(), strict=True))
         if count
     ]
-
-
-def shared(weights: Sequence[float], count: int) -> list[int]:
-    """Returns whole numbers in proportion to weights, whose sum is `count` (largest remainder)."""
-    wanted = count * np.array(weights) / sum(weights) if weights else np.empty(0)
-    found = np.floor(wanted).astype(int)
-    rest = np.argsort(found - wanted, kind="stable")[: count - found.sum()]
-    found[rest] += 1
-    return found.tolist()
 
 
 def excess(errors: Array, noise: Noise) -> float:
@@ -298,15 +293,9 @@ def excess(errors: Array, noise: Noise) -> float:
     memory, white = GRID.T
     alike = 1 + 2 * ((1 - white) * memory) ** 2 / (1 - memory**2)
     count = min(errors.size, noise.freedom)  # no more samples than the noise was estimated from
-    lower = 1 - _quantile(LIMIT) * np.sqrt(2 * alike / count)
+    lower = 1 - ndtri(LIMIT) * np.sqrt(2 * alike / count)
     least = float(noise.weight @ (noise.variance * np.maximum(lower, 0)))
     return math.sqrt(max(float(np.mean(errors**2)) - least, 0))
-
-
-def _quantile(probability: float) -> float:
-    from scipy.special import ndtri  # slow to import
-
-    return float(ndtri(probability))
 
 
 def _nesting(curve: Curve) -> int:
@@ -314,11 +303,7 @@ def _nesting(curve: Curve) -> int:
 
 
 def _errors(
-    name: str,
-    others: Sequence[Curve],
-    nested: Sequence[Curve],
-    seed: int,
-    options: Mapping[str, Any],
+    name: str, others: Sequence[Curve], nested: Sequence[Curve], seed: int, options: Mapping
 ) -> Array | None:
     """Returns the errors of a model on curves outside its fit; None if it cannot predict them."""
     if not nested:
@@ -329,10 +314,6 @@ def _errors(
     except InputError:
         return None
     return errors if np.isfinite(errors).all() else None
-
-
-def _rms(errors: Array) -> float:
-    return float(np.sqrt(np.mean(errors**2)))
 
 
 class Agreement(NamedTuple):
@@ -356,12 +337,9 @@ class Agreement(NamedTuple):
 
 
 def agreement(found: Ensemble, motions: Sequence[Motion], peak: float) -> Agreement | None:
-    """Returns how far the members of an ensemble differ; None without a motion that moves.
+    """Returns how far the members of an ensemble differ on motions that move; None without one.
 
-    Args:
-        found: Ensemble.
-        motions: Intended motions.
-        peak: Largest torque of the curves [N·m].
+    The peak is the largest torque of the curves [N·m].
     """
     moving = [one for one in motions if np.ptp(one.angle) > 0]
     if not moving:

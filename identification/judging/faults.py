@@ -34,21 +34,13 @@ def played(angle: Array, gap: float) -> Array:
 
 
 class Hypothesis(NamedTuple):
-    """A fault to try.
-
-    Attributes:
-        name: Name of the fault.
-        curve: Curve that has it; empty if all have.
-        step: Size at which its column is computed.
-        most: Largest size that is plausible.
-        torque: Torque along all curves [N·m] with a fault of some size, shape (samples,).
-    """
+    """A fault to try."""
 
     name: Fault
-    curve: str
-    step: float
-    most: float
-    torque: Faulty
+    curve: str  # that has the fault; empty if all have
+    step: float  # size at which its column is computed
+    most: float  # largest size that is plausible
+    torque: Faulty  # along all curves [N·m] with a fault of some size, (samples,)
 
 
 def hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypothesis]:

@@ -61,18 +61,10 @@ def explained(
     known: Noise | None = None,
     uneven: Uneven = EVEN,
 ) -> Explained:
-    """Tests columns beside the derivatives of a fit.
+    """Tests columns (samples, q) beside the derivatives of a fit (samples, p).
 
-    All of them are divided by the relative deviation of uneven noise.
-
-    Args:
-        residual: Residual of the fit [N·m], shape (samples,).
-        slopes: Derivatives of the torque with respect to the fitted parameters, shape
-            (samples, p).
-        columns: Columns that may explain the residual, shape (samples, q).
-        sizes: Number of samples of each curve.
-        known: Noise known from repeated curves; None estimates it.
-        uneven: How the deviation of the noise depends on the torque.
+    All of them are divided by the relative deviation of uneven noise, as is the residual [N·m]. The
+    noise is estimated where it is not known from repeated curves.
     """
     inner = independent(slopes)
     outer = independent(beside(inner, columns))
@@ -126,10 +118,6 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
 
     Half the difference of two curves is free of what both have in common, a misfit too. A constant,
     a slope and a share of the torque count as faults of one of them, and not as noise.
-
-    Args:
-        curves: Measured curves.
-        uneven: How the deviation of the noise depends on the torque.
     """
     low, high = Curves(curves).angle_range
     differences, sizes, shares, columns = [], [], [], []
@@ -137,9 +125,10 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
     while left:
         first = left.pop(0)
         for other in left:
-            torque = _along(other, first, SAME_PATH * (high - low))
-            if torque is not None and np.any(first.torque != torque):  # a copy is no repeat
-                differences.append((first.torque - torque) / math.sqrt(2))
+            if other.torque.size != first.torque.size or np.all(other.torque == first.torque):
+                continue  # a copy is no repeat
+            if np.abs(other.angle - first.angle).max() <= SAME_PATH * (high - low):
+                differences.append((first.torque - other.torque) / math.sqrt(2))
                 sizes.append(first.torque.size)
                 shares.append(first.torque)
                 left.remove(other)
@@ -155,13 +144,6 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
     scale = uneven.at(np.concatenate(shares))
     lines = np.column_stack(columns) / scale[:, None]
     return estimate_noise(lines, np.concatenate(differences) / scale, sizes, uneven)
-
-
-def _along(curve: Curve, path: Curve, within: float) -> Array | None:
-    """Returns the torque of a curve at the samples of another along the same path, or None."""
-    if curve.torque.size != path.torque.size:
-        return None
-    return curve.torque if np.abs(curve.angle - path.angle).max() <= within else None
 
 
 def outliers(

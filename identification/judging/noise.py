@@ -91,11 +91,6 @@ class Noise:
         return self.constant * self.uneven.ratio
 
     @property
-    def white(self) -> float:
-        """Probability that the noise is white."""
-        return float(self.weight[0])
-
-    @property
     def memory(self) -> float:
         """Correlation from one sample to the next."""
         slow = GRID[:, 0] * (1 - GRID[:, 1])
@@ -111,21 +106,19 @@ class Noise:
         """
         chosen = rng.choice(len(GRID), p=self.weight)
         memory, white = GRID[chosen]
-        deviation = math.sqrt(self.variance[chosen])
-        found = [_draw(size, memory, white, rng) for size in sizes]
-        return deviation * self.uneven.at(torque) * np.concatenate(found)
+        found = []
+        for size in sizes:
+            slow = math.sqrt(1 - white) * slow_noise(size, memory, rng)
+            found.append(slow + math.sqrt(white) * rng.standard_normal(size))
+        return math.sqrt(self.variance[chosen]) * self.uneven.at(torque) * np.concatenate(found)
 
 
 def uneven_noise(residual: Array, torque: Array, sizes: Sequence[int]) -> Uneven:
     """Returns whether noise has a part in proportion to the torque, by the information criterion.
 
     It compares how far samples are from the mean of their two neighbors, which a smooth misfit and
-    slow noise leave small. Logarithms of these distances bear outliers and heavy tails.
-
-    Args:
-        residual: Residual of a fit [N·m], shape (samples,).
-        torque: Fitted torque [N·m], shape (samples,).
-        sizes: Number of samples of each curve, end to end.
+    slow noise leave small. Logarithms of these distances bear outliers and heavy tails. Residual
+    and fitted torque [N·m] have the shape (samples,).
     """
     ends = np.cumsum(sizes)[:-1]
     apart = [np.abs(one[1:-1] - (one[:-2] + one[2:]) / 2) for one in np.split(residual, ends)]
@@ -210,19 +203,8 @@ def _innovations(values, ends, memory, white) -> float:
     return log_det
 
 
-def _draw(size: int, memory: float, white: float, rng: np.random.Generator) -> Array:
-    slow = math.sqrt(1 - white) * slow_noise(size, memory, rng)
-    return slow + math.sqrt(white) * rng.standard_normal(size)
-
-
 def slow_noise(size: int, memory: float, rng: np.random.Generator) -> Array:
-    """Returns an AR(1) process of variance 1, shape (size,).
-
-    Args:
-        size: Number of samples.
-        memory: Correlation from sample to sample.
-        rng: Generator of the random numbers.
-    """
+    """Returns an AR(1) process of variance 1, shape (size,); `memory` is its correlation."""
     from scipy.signal import lfilter  # slow to import
 
     pushes = math.sqrt(1 - memory**2) * rng.standard_normal(size)
@@ -236,9 +218,6 @@ def smoother_noise(curves: Sequence[Curve]) -> float:
 
     Each branch has its own cubic spline over the samples, whose pieces are shorter after the
     reversal, where a hysteretic torque bends most. The deviation accounts for their number.
-
-    Args:
-        curves: The measured curves.
     """
     left, freedom = 0.0, 0
     for curve in curves:

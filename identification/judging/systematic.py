@@ -22,16 +22,11 @@ SAME = 1e-3  # part of a column that other columns do not explain, below which t
 
 
 def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int], scale: Array) -> Array:
-    """Returns the covariance of least squares, which assume white noise, under any noise.
+    """Returns the covariance (p, p) of least squares, which assume white noise, under any noise.
 
-    With the pseudo-inverse P of the slopes and the covariance V of the noise it is P V P' (White
-    1980, Econometrica 48, 817, for errors that are not alike), here averaged over the noises.
-
-    Args:
-        slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
-        noise: Noise of the torque.
-        sizes: Number of samples of each curve.
-        scale: Relative deviation of the noise of each sample, shape (samples,).
+    With the pseudo-inverse P of the slopes (samples, p) and the covariance V of the noise it is
+    P V P' (White 1980, Econometrica 48, 817, for errors that are not alike), here averaged over the
+    noises. `scale` is the relative deviation of the noise of each sample, shape (samples,).
     """
     inverse = np.linalg.pinv(slopes, rcond=DEPENDENT).T * scale[:, None]
     parts = np.split(inverse, np.cumsum(sizes)[:-1])

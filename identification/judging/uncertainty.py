@@ -34,14 +34,12 @@ class Uncertainty:
 
     Everything is linearized at the given model in the coordinates of the fit: the logarithm of a
     parameter that must be above some value, and the parameter itself otherwise. The noise of the
-    torque has a white and a slow part, estimated from the residual (see
-    `judging.noise`).
+    torque has a white and a slow part, estimated from the residual (see `judging.noise`).
 
     Attributes:
         names: Names of the fitted parameters, those in lists as weights[3].
         values: The parameters, shape (n,).
         standard_errors: Standard deviation of each parameter, shape (n,).
-        correlation: Correlation of their coordinates, shape (n, n).
         condition: Condition number of the derivatives with respect to relative changes of the
             parameters: how many times better the best known combination is known than the worst.
         intervals: The 95 % interval of each parameter, lower and upper end, shape (n, 2). Each is
@@ -63,7 +61,6 @@ class Uncertainty:
     names: tuple[str, ...]
     values: Array
     standard_errors: Array
-    correlation: Array
     condition: float
     intervals: Array
     samples: tuple[HysteresisModel, ...]
@@ -147,7 +144,6 @@ def uncertainty(
     allowed = systematic(model, measured, slopes, residual * scale, scale, noise, relative)
     limit = _binding(coordinates)
     intervals = _intervals(coordinates, covariance, limit, noise)
-    deviation = np.sqrt(np.diag(covariance))
     repeated = _repetitions(model, initial_torque, measured, noise, allowed, samples, seed)
     refits = tuple(
         _refitted(model, one, initial_torque, fitted_start, damping, seed)
@@ -159,8 +155,7 @@ def uncertainty(
     return Uncertainty(
         names=coordinates.names,
         values=coordinates.values,
-        standard_errors=deviation * coordinates.slopes(),
-        correlation=covariance / np.outer(deviation, deviation),
+        standard_errors=np.sqrt(np.diag(covariance)) * coordinates.slopes(),
         condition=float(np.linalg.cond(slopes * steps)),
         intervals=intervals,
         samples=refits,
@@ -226,23 +221,6 @@ def kind_of(model: HysteresisModel) -> str:
     return model.model.name if isinstance(model, Clipped) else model.name
 
 
-def _bare(model: HysteresisModel) -> JilesAtherton | None:
-    """Returns the Jiles-Atherton model whose valleys can be walked; None for other models."""
-    inner = model.model if isinstance(model, Clipped) else model
-    if not isinstance(inner, JilesAtherton) or inner.c <= 1:
-        return None
-    return inner if is_exact(inner.parameter_vector) else None
-
-
-def _row(
-    model: JilesAtherton, start: InitialTorque, fitted_start: bool
-) -> tuple[Array, InitialTorque]:
-    """Returns a row and an initial torque as `CurveObjective` takes them."""
-    degrees = model.in_unit("deg")
-    row = np.array([getattr(degrees, name) for name in PARAMETERS])
-    return (np.append(row, float(start)), "identified") if fitted_start else (row, start)
-
-
 def _repetitions(
     model: HysteresisModel,
     initial_torque: InitialTorque,
@@ -286,9 +264,12 @@ def _refitted(
     """Returns the model that a fit of the same kind finds on other curves, beside a damping."""
     if isinstance(model, JilesAtherton) and model.clamp != "none":
         raise InputError("the model is one of magnetics, whose fit is not repeated: samples=0")
-    inner, name = _bare(model), kind_of(model)
-    if inner is not None:
-        row, start = _row(inner, initial_torque, fitted_start)
+    inner, name = model.model if isinstance(model, Clipped) else model, kind_of(model)
+    if isinstance(inner, JilesAtherton) and inner.c > 1 and is_exact(inner.parameter_vector):
+        degrees, start = inner.in_unit("deg"), initial_torque
+        row = np.array([getattr(degrees, parameter) for parameter in PARAMETERS])
+        if fitted_start:
+            row, start = np.append(row, float(initial_torque)), "identified"
         found: HysteresisModel = refined(curves, row, initial_torque=start).model
     elif name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")

@@ -13,7 +13,7 @@ from activesuit.identification.fits import registry as own_fits
 from activesuit.identification.fits.certified import common_torque
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.judging.ensemble import agreement
-from activesuit.identification.judging.verdict import DESCRIBES, NOT_BEYOND
+from activesuit.identification.judging.sentences import DESCRIBES, NOT_BEYOND
 from helpers import along, assert_refused, sweep
 
 START = 0.52
@@ -238,13 +238,12 @@ def test_the_verdict_extends_to_loops_on_which_a_tested_band_is_narrow(elbow):
     assert found.fit.shortfalls  # seven reversals within each other, the curves have three
     assert found.fit.verdict == DESCRIBES
     assert found.agreement.tested and found.agreement.half_width < 0.05 * found.fit.curves.peak
-    assert "tested by predictions of curve 'loops'" in found.agreement.sentence
+    assert found.agreement.remark.values["by"] == "curve 'loops'"
     farther = select(curves, intended=[deeper, Motion(None, sweep(0.52, 1.7))])
     assert farther.fit.verdict == NOT_BEYOND  # a band says nothing outside the range
     alone = select(curves[:3], intended=[deeper])
     assert alone.fit.verdict == NOT_BEYOND
     assert not alone.agreement.tested
-    assert "all may be wrong together" in alone.agreement.sentence
     turned = agreement(alone.ensemble, [Motion(None, np.array([0.0, 7.0]))], 5.0)
-    assert "cannot be compared on the intended motion: curve" in turned.sentence
+    assert turned.remark.kind == "agreement unknown"
     assert agreement(alone.ensemble, [Motion(None, np.zeros(3))], 5.0) is None
