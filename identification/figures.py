@@ -40,12 +40,8 @@ def compared(
     """Returns measured curves beside a model.
 
     The band is that over kinds of model where they were compared, else that of the parameters where
-    the model describes the curves.
-
-    Args:
-        curves: Measured curves.
-        result: What was identified from them; None for the curves alone.
-        uncertainty: Uncertainty of the parameters; None if it was not asked for.
+    the model describes the curves and their uncertainty is given. Without a result there are the
+    curves alone.
     """
     found = []
     for role in ROLES:
@@ -86,13 +82,8 @@ def loop_rows(joint: str, curves: Sequence[Compared]) -> Iterator[list[str]]:
 def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float = 0.0) -> Plot:
     """Returns the measured loops of a joint with the torque of each model, and what is left below.
 
-    Args:
-        joint: Name of the joint.
-        fits: The same curves beside each model, by its label.
-        tare: Torque of the sensor that is taken off the measured ones [N·m].
-
-    Returns:
-        Fitted curves on the left, predicted ones on the right, if there are any.
+    Fitted curves are on the left, predicted ones on the right. The same curves are beside each
+    model, by its label; `tare` is the torque of the sensor that is taken off them [N·m].
     """
     first = next(iter(fits.values()))
     roles = [role for role in ROLES if any(one.curve.role == role for one in first)]
@@ -139,8 +130,7 @@ def _branches(angle: Array, label: str) -> dict[str, NDArray[np.bool_]]:
 def convergence_plot(histories: Mapping[str, Mapping[str, Sequence[Sequence[float]]]]) -> Plot:
     """Returns the best fitness over iterations: median of the trials, and their quartiles.
 
-    Args:
-        histories: Joint name -> method -> one history per trial.
+    There is one history per trial, by joint and method.
     """
     panels = []
     for joint, methods in histories.items():

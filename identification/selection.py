@@ -57,11 +57,7 @@ def as_good(tried: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(
-    name: str,
-    curves: Sequence[Curve],
-    asked: Sequence[Question],
-    seed: int,
-    options: dict[str, Any],
+    name: str, curves: Curves, asked: Sequence[Question], seed: int, options: dict[str, Any]
 ) -> Candidate:
     def fitted(some: Sequence[Curve]) -> Fitted:
         return fit_model(name, some, np.random.default_rng(seed), **options)
@@ -169,7 +165,6 @@ def select(
     needed: Coverage | None = None,
     intended: Sequence[Motion] = (),
     on_candidate: Callable[[Candidate], None] | None = None,
-    on_trial: Callable[[Trial], None] | None = None,
     **old: Any,
 ) -> Selection:
     """Selects the simplest model that predicts well the curves left out of its certified fit.
@@ -190,7 +185,6 @@ def select(
         intended: Intended motions, on which the kinds of model are compared: the verdict extends to
             loops that the curves do not have if a tested band is narrow there.
         on_candidate: Function that gets each model as soon as it was tried.
-        on_trial: Function that gets the fit of the chosen model.
         **old: Names of version 0.2, which are refused with the new one.
     """
     refuse_unknown(old)
@@ -210,9 +204,9 @@ def select(
         refuse_weights(measured)
         asked = questions(measured)
         calls = [partial(_candidate, name, measured, asked, seed, ways[name]) for name in FITS]
-        found, interrupted = run_threads(calls, workers, on_candidate)
+        tried, interrupted = run_threads(calls, workers, on_candidate)
         order = list(FITS)
-        tried = sorted(found, key=lambda one: (one.prediction_nrmse, order.index(one.name)))
+        tried.sort(key=lambda one: (one.prediction_nrmse, order.index(one.name)))
         if tried[0].model is None:
             if interrupted:
                 raise KeyboardInterrupt
@@ -236,8 +230,6 @@ def select(
         loss=chosen.fit_nrmse,
         evaluations=None,
     )
-    if on_trial is not None:
-        on_trial(trial)
     fit = judged_fit(
         ready,
         corrections,
@@ -286,11 +278,7 @@ def _open_offset(
 ) -> str | None:
     """Returns a model as good as Jiles-Atherton that fits with any offset; None without one.
 
-    Args:
-        tried: Candidates, fitted to the curves less the offset that Jiles-Atherton finds.
-        curves: These curves.
-        seed: Seed of the fits.
-        options: Options of the candidates' fits, by model.
+    The candidates are fitted to these curves, less the offset that Jiles-Atherton finds.
     """
     for rival in as_good(tried):
         if rival.name in ITS_OWN:

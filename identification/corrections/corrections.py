@@ -63,23 +63,14 @@ class Corrections:
 
 
 class Corrected(NamedTuple):
-    """Curves after the corrections.
+    """Curves after the corrections."""
 
-    Attributes:
-        family: All curves.
-        measured: The curves to fit, thinned if they are long.
-        judged: The same, thinned further for the verdict.
-        tare: Offset that was subtracted [N·m].
-        softening: Change over the cycles that was removed; None if none was.
-        read: The curves before the corrections.
-    """
-
-    family: Curves
-    measured: Curves
-    judged: Curves
-    tare: float
-    softening: Softening | None
-    read: Curves
+    family: Curves  # all curves
+    measured: Curves  # those to fit, thinned if they are long
+    judged: Curves  # the same, thinned further for the verdict
+    tare: float  # offset that was subtracted [N·m]
+    softening: Softening | None  # change over the cycles that was removed, if there was one
+    read: Curves  # the curves before the corrections
 
 
 def corrected(

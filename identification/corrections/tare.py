@@ -34,11 +34,8 @@ def tared(curves: Curves, tare: float) -> Curves:
 def found_tare(family: Curves, tare: Tare, error: Callable[[Curves], float]) -> float:
     """Returns the offset of the torque sensor [N·m].
 
-    Args:
-        family: Curves to fit.
-        tare: The offset; "zero" takes the mean torque with which the curves begin, "fit" the one
-            that a fit of the model prefers.
-        error: Function from curves to the error of the model fitted to them, over their peak.
+    "zero" is the mean torque with which the curves begin, "fit" the offset that a fit of the model
+    prefers; `error` returns the error of that fit over the peak of its curves.
     """
     if tare == "zero":
         return family.start_torque

@@ -253,16 +253,11 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
 
 def save_motion(path: str | os.PathLike[str], motion: Motion) -> None:
     """Writes a motion so that `load_motion` reads it back (to 1e-9 rad)."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    if motion.time is None:
-        writer.writerow(["angle_rad"])
-        writer.writerows([f"{angle:.9f}"] for angle in motion.angle)
-    else:
-        writer.writerow(MOTION_HEADER.split(","))
-        for time, angle in zip(motion.time, motion.angle, strict=True):
-            writer.writerow([f"{time:.12g}", f"{angle:.9f}"])
-    write_text(path, text.getvalue())
+    lines = [f"{angle:.9f}" for angle in motion.angle]
+    if motion.time is not None:
+        lines = [f"{time:.12g},{line}" for time, line in zip(motion.time, lines, strict=True)]
+    header = MOTION_HEADER if motion.time is not None else "angle_rad"
+    write_text(path, "\n".join([header, *lines, ""]))
 
 
 def _one_of(header: list[str], names: list[str] | tuple[str, ...], path: Path) -> str:

@@ -4,7 +4,7 @@ A fit is tested by its curves only. Whether it is valid for another motion depen
 motion differs from them, which this module expresses in numbers.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -79,7 +79,7 @@ def motion_coverage(motions: Iterable[Motion]) -> Coverage:
     high = max(float(angle.max()) for _, angle in given)
     if low == high:
         raise InputError(f"the motion stays at {low:g} rad: give one that moves")
-    found = [_Branches.of(time, angle) for time, angle in given if np.ptp(angle) > 0]
+    found = [_branches(time, angle) for time, angle in given if np.ptp(angle) > 0]
     ways = np.concatenate([one.ways for one in found]) / (high - low)
     rates = [rate for one in found for rate in one.rates]
     return Coverage(
@@ -106,7 +106,33 @@ def any_motion(measured: Coverage) -> Coverage:
 
 def shortfalls(measured: Coverage, needed: Coverage) -> list[Remark]:
     """Returns a remark for each need of an intended motion that measured curves do not cover."""
-    return [*_shortfalls(measured, needed)]
+    (least, most), (low, high) = measured.range, needed.range
+    found, allowed, ends = [], BEYOND * measured.span, []
+    if low < least - allowed:
+        ends.append(sentence("range below", angle=least))
+    if high > most + allowed:
+        ends.append(sentence("range above", angle=most))
+    if ends:
+        values = {"low": low, "high": high, "least": least, "most": most}
+        found.append(Remark("coverage range", values | {"ends": " and ".join(ends)}))
+    if measured.nesting < min(needed.nesting, DEEP):
+        why = sentence(f"nesting {min(measured.nesting, 2)}")
+        values = {"deep": needed.nesting, "nesting": measured.nesting, "why": why}
+        found.append(Remark("coverage nesting", values))
+    shortest = measured.branches[0] * measured.span
+    branch = needed.branches[0] * needed.span
+    if NEAR * max(branch, FINE * measured.span) < shortest:
+        found.append(Remark("coverage branches", {"needed": branch, "shortest": shortest}))
+    if needed.rates and not measured.rates:
+        found.append(Remark("coverage times", {"rate": needed.rates[1]}))
+    elif needed.rates and measured.rates and needed.rates[1] > NEAR * measured.rates[1]:
+        slowest, fastest = measured.rates
+        values = {"rate": needed.rates[1], "slowest": slowest, "fastest": fastest}
+        found.append(Remark("coverage rates", values | {"asked": needed.rates[1] / NEAR}))
+    if needed.cycles > 1 and measured.cycles < min(needed.cycles, ENOUGH_CYCLES):
+        values = {"needed": needed.cycles, "cycles": measured.cycles, "enough": ENOUGH_CYCLES}
+        found.append(Remark("coverage cycles", values))
+    return found
 
 
 def loops_suffice(short: Iterable[Remark]) -> bool:
@@ -114,41 +140,11 @@ def loops_suffice(short: Iterable[Remark]) -> bool:
     return all(one.kind in ("coverage nesting", "coverage branches") for one in short)
 
 
-def _shortfalls(measured: Coverage, needed: Coverage) -> Iterator[Remark]:
-    (least, most), (low, high) = measured.range, needed.range
-    allowed, ends = BEYOND * measured.span, []
-    if low < least - allowed:
-        ends.append(sentence("range below", angle=least))
-    if high > most + allowed:
-        ends.append(sentence("range above", angle=most))
-    if ends:
-        values = {"low": low, "high": high, "least": least, "most": most}
-        yield Remark("coverage range", values | {"ends": " and ".join(ends)})
-    if measured.nesting < min(needed.nesting, DEEP):
-        why = sentence(f"nesting {min(measured.nesting, 2)}")
-        values = {"deep": needed.nesting, "nesting": measured.nesting, "why": why}
-        yield Remark("coverage nesting", values)
-    shortest = measured.branches[0] * measured.span
-    branch = needed.branches[0] * needed.span
-    if NEAR * max(branch, FINE * measured.span) < shortest:
-        yield Remark("coverage branches", {"needed": branch, "shortest": shortest})
-    if needed.rates and not measured.rates:
-        yield Remark("coverage times", {"rate": needed.rates[1]})
-    elif needed.rates and measured.rates and needed.rates[1] > NEAR * measured.rates[1]:
-        slowest, fastest = measured.rates
-        values = {"rate": needed.rates[1], "slowest": slowest, "fastest": fastest}
-        yield Remark("coverage rates", values | {"asked": needed.rates[1] / NEAR})
-    if needed.cycles > 1 and measured.cycles < min(needed.cycles, ENOUGH_CYCLES):
-        values = {"needed": needed.cycles, "cycles": measured.cycles, "enough": ENOUGH_CYCLES}
-        yield Remark("coverage cycles", values)
-
-
 def nesting_of(points: Sequence[float], tolerance: float = 0.0) -> int:
     """Returns the most reversals that a motion remembers at once, see `Coverage`.
 
-    Args:
-        points: First angle, reversals and last angle of the motion [rad].
-        tolerance: Distance within which an angle counts as reached [rad].
+    The points are first angle, reversals and last angle [rad]; an angle within the tolerance [rad]
+    counts as reached.
     """
     remembered: list[float] = []
     deepest = 0
@@ -173,21 +169,17 @@ class _Branches(NamedTuple):
     nesting: int
     cycles: int
 
-    @classmethod
-    def of(cls, time: Array | None, angle: Array) -> "_Branches":
-        span = float(np.ptp(angle))
-        dead_band = max(estimate_dead_band(angle), SMALLEST * span)
-        ends = _ends(angle, reversals(angle, dead_band).tolist())
-        points = angle[ends]
-        ways = np.abs(np.diff(points))
-        rates = []
-        if time is not None:
-            rates = [
-                _rate(angle[start : stop + 1], time[start : stop + 1], dead_band)
-                for start, stop in pairwise(ends)
-            ]
-        whole = int(np.count_nonzero(ways >= WHOLE * span))
-        return cls(ways, rates, nesting_of(points.tolist(), SMALLEST * span), whole // 2)
+
+def _branches(time: Array | None, angle: Array) -> _Branches:
+    span = float(np.ptp(angle))
+    dead_band = max(estimate_dead_band(angle), SMALLEST * span)
+    ends = _ends(angle, reversals(angle, dead_band).tolist())
+    ways, rates = np.abs(np.diff(angle[ends])), []
+    for start, stop in pairwise(ends) if time is not None else ():
+        here = slice(start, stop + 1)
+        rates.append(_rate(angle[here], time[here], dead_band))
+    whole = int(np.count_nonzero(ways >= WHOLE * span))
+    return _Branches(ways, rates, nesting_of(angle[ends].tolist(), SMALLEST * span), whole // 2)
 
 
 def _ends(angle: Array, turns: list[int]) -> list[int]:

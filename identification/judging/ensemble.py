@@ -37,27 +37,16 @@ NARROW = 0.05  # half width over the peak; a larger error needs repeats in a ver
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One model that `select` tried.
-
-    Attributes:
-        name: Name of the model.
-        model: Model that is fitted to all curves; None where that failed.
-        initial_torque: Torque with which the curves begin [N·m].
-        parameters: Number of parameters that the fit chooses.
-        prediction_nrmse: NRMSE over what was left out of the fit; infinite where it failed.
-        prediction_errors: Errors of these predictions [N·m], of all left-out samples end to end,
-            alike for all candidates; empty where it failed.
-        fit_nrmse: NRMSE on the fitted curves; infinite where it failed.
-        reason: Why it failed, as a sentence; empty if it did not.
-    """
+    """One model that `select` tried; where it failed, errors are infinite and there is no model."""
 
     name: str
-    model: HysteresisModel | None = None
-    initial_torque: InitialTorque = 0.0
-    parameters: int = 0
-    prediction_nrmse: float = float("inf")
-    fit_nrmse: float = float("inf")
-    reason: str = ""
+    model: HysteresisModel | None = None  # fitted to all curves
+    initial_torque: InitialTorque = 0.0  # with which the curves begin [N·m]
+    parameters: int = 0  # number that the fit chooses
+    prediction_nrmse: float = float("inf")  # over what was left out of the fit
+    fit_nrmse: float = float("inf")  # on the fitted curves
+    reason: str = ""  # why it failed, as a sentence
+    # Errors of the predictions [N·m], of all left-out samples end to end, alike for all candidates.
     prediction_errors: Array = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
 
 
@@ -181,8 +170,8 @@ def ensemble(
     all other curves and predicts these, which counts beside its other left-out errors.
 
     Args:
-        candidates: Models that were tried; those that could not be fitted are left out.
-        curves: Curves that they were fitted to.
+        candidates: Models that were fitted to the curves; those that failed are left out.
+        curves: These curves.
         noise: Noise of the torque.
         seed: Seed of all random numbers.
         options: Options of the candidates' fits, by model.
@@ -284,11 +273,8 @@ def excess(errors: Array, noise: Noise) -> float:
     """Returns the root of the upper limit of the mean squared error less that of the noise [N·m].
 
     The mean square of n samples of noise has the variance 2 (sum of squared correlations) / n of
-    the squared variance; slow noise has few independent samples.
-
-    Args:
-        errors: Predicted less measured torque [N·m].
-        noise: Noise of the measured torque.
+    the squared variance; slow noise has few independent samples. Errors are predicted less measured
+    torque [N·m].
     """
     memory, white = GRID.T
     alike = 1 + 2 * ((1 - white) * memory) ** 2 / (1 - memory**2)
@@ -319,15 +305,12 @@ def _errors(
 class Agreement(NamedTuple):
     """How far kinds of model differ on motions.
 
-    Attributes:
-        half_width: Largest mean half width of a motion's band [N·m]; without a band half the
-            difference of the models, and infinite where they cannot be compared.
-        tested: Whether that is the width of a band that left-out curves have tested.
-        remark: Both, for their sentence.
+    The half width [N·m] is the largest mean of a motion's band; without a band half the difference
+    of the models, and infinite where they cannot be compared.
     """
 
     half_width: float
-    tested: bool
+    tested: bool  # whether that is the width of a band that left-out curves have tested
     remark: Remark
 
     @property

@@ -43,9 +43,7 @@ def baseline_errors(curves: Sequence[Curve]) -> dict[str, float]:
 def predictions(asked: Sequence[Question], curves: Sequence[Curve]) -> dict[str, float]:
     """Returns the NRMSE with which models without memory predict data left out of their fit.
 
-    Args:
-        asked: Parts that are left out, each with the curves that are fitted instead.
-        curves: All curves, whose largest torque divides the errors.
+    The largest torque of all curves divides the errors.
     """
     found = {}
     for name, fit in BASELINES.items():
@@ -64,38 +62,22 @@ def predictions(asked: Sequence[Question], curves: Sequence[Curve]) -> dict[str,
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """Verdict on a model by the residual of its fit.
+    """Verdict on a model by the residual of its fit."""
 
-    Attributes:
-        verdict: "describes the curves", "describes the curves, not beyond" (they do not cover the
-            intended motion, or contain no nested loops), "cannot be judged by these curves: ..."
-            (what is left is noise that wanders, or a misfit), or "does not describe the curves".
-        times_noise: Root mean square of the residual over the bound of the noise.
-        misfit: The F test of the residual's smooth part.
-        noise_bound: Deviation of that noise, of repeated curves if there are any, and at most that
-            of what a smooth curve through each branch leaves [N·m].
-        is_repeated: Whether repeated curves show the noise.
-        causes: One or two faults of the measurement that explain the residual down to the noise.
-        explained: The residual over what is left if the causes are fitted too.
-        nrmse: NRMSE of the fit.
-        constant: NRMSE of a constant torque.
-        unfinished: Error over the least one nearby, of a search for least squares; otherwise 1.
-        baselines: NRMSE of models without memory on the same curves, by name.
-        remarks: Reasons to doubt the model or the curves.
-    """
-
-    verdict: str = ""
-    times_noise: float
-    misfit: Explained
+    verdict: str = ""  # one of the four phrases of `judging.sentences`
+    times_noise: float  # root mean square of the residual over the bound of the noise
+    misfit: Explained  # F test of the residual's smooth part
+    # Deviation of that noise, of repeated curves if there are any, and at most that of what a
+    # smooth curve through each branch leaves [N·m].
     noise_bound: float
-    is_repeated: bool
-    causes: tuple[Cause, ...]
-    explained: float
+    is_repeated: bool  # whether repeated curves show the noise
+    causes: tuple[Cause, ...]  # one or two faults that explain the residual down to the noise
+    explained: float  # the residual over what is left if the causes are fitted too
     nrmse: float
-    constant: float
-    unfinished: float
-    baselines: dict[str, float]
-    remarks: tuple[Remark, ...] = ()
+    constant: float  # NRMSE of a constant torque
+    unfinished: float  # error over the least one nearby, of a search for least squares
+    baselines: dict[str, float]  # NRMSE of models without memory on the same curves, by name
+    remarks: tuple[Remark, ...] = ()  # reasons to doubt the model or the curves
 
     @property
     def noise(self) -> Noise:
@@ -255,6 +237,5 @@ def _reached(slopes: Array) -> Array:
 
 def _unfinished(residual: Array, slopes: Array) -> float:
     """Returns the error over the least one nearby, predicted by the derivatives of the model."""
-    basis = independent(slopes)
-    least = beside(basis, residual)
+    least = beside(independent(slopes), residual)
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))

@@ -38,19 +38,12 @@ NEAR_TURN = 6  # samples at a turn, where a misfit looks like a run
 
 @dataclass(frozen=True, kw_only=True)
 class Explained:
-    """How much of a residual some columns explain.
+    """How much of a residual some columns explain."""
 
-    Attributes:
-        statistic: F, averaged over the noises.
-        probability: Probability that noise alone explains as much.
-        columns: Number of the columns beside those of the fit.
-        noise: Noise with the columns in place, or that of repeated curves.
-    """
-
-    statistic: float
-    probability: float
-    columns: int
-    noise: Noise
+    statistic: float  # F, averaged over the noises
+    probability: float  # of noise alone to explain as much
+    columns: int  # number of the columns beside those of the fit
+    noise: Noise  # with the columns in place, or that of repeated curves
 
 
 def explained(

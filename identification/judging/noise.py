@@ -41,15 +41,10 @@ CUBIC = 3  # degree of the pieces
 
 
 class Uneven(NamedTuple):
-    """How the deviation of noise depends on the torque.
+    """How the deviation of noise depends on the torque."""
 
-    Attributes:
-        ratio: Part in proportion to the torque over the constant part [1/(N·m)].
-        square: Mean of 1 + (ratio * torque)^2 over the curves.
-    """
-
-    ratio: float = 0.0
-    square: float = 1.0
+    ratio: float = 0.0  # part in proportion to the torque over the constant part [1/(N·m)]
+    square: float = 1.0  # mean of 1 + (ratio * torque)^2 over the curves
 
     def at(self, torque: Array) -> Array:
         """Returns the deviation at torques [N·m] over its root mean square along the curves."""
@@ -61,19 +56,12 @@ EVEN = Uneven()
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise of a torque, as estimated from a residual.
+    """Noise of a torque, as estimated from a residual."""
 
-    Attributes:
-        weight: Probability of each noise of the grid, shape (g,).
-        variance: Variance of the torque under each of them [(N·m)^2], shape (g,).
-        freedom: Number of samples less that of the columns of the fit.
-        uneven: How its deviation depends on the torque; the variance is the mean.
-    """
-
-    weight: Array
-    variance: Array
-    freedom: int
-    uneven: Uneven = EVEN
+    weight: Array  # probability of each noise of the grid, (g,)
+    variance: Array  # of the torque under each of them [(N·m)^2], (g,)
+    freedom: int  # number of samples less that of the columns of the fit
+    uneven: Uneven = EVEN  # how the deviation depends on the torque; the variance is the mean
 
     @property
     def deviation(self) -> float:
@@ -97,12 +85,9 @@ class Noise:
         return float(self.weight @ slow)
 
     def draw(self, torque: Array, sizes: Sequence[int], rng: np.random.Generator) -> Array:
-        """Returns noise along curves [N·m], end to end, of one pair of numbers drawn at random.
+        """Returns noise along curves [N·m], end to end, for their torque without noise [N·m].
 
-        Args:
-            torque: Torque along the curves, without noise [N·m], shape (samples,).
-            sizes: Number of samples of each curve.
-            rng: Generator of the random numbers.
+        The memory of the noise and its share of white noise are drawn, too.
         """
         chosen = rng.choice(len(GRID), p=self.weight)
         memory, white = GRID[chosen]
@@ -142,14 +127,9 @@ def estimate_noise(
 ) -> Noise:
     """Estimates the noise of curves from the residual of a fit.
 
-    Columns and residual of uneven noise are divided by its relative deviation, `uneven.at`.
-
-    Args:
-        columns: Derivatives of the torque with respect to the fitted parameters, shape
-            (samples, p); they need not be independent.
-        residual: Residual torque [N·m], shape (samples,).
-        sizes: Number of samples of each curve, end to end; noise is independent between curves.
-        uneven: How the deviation depends on the torque.
+    Columns and residual [N·m] of uneven noise are divided by its relative deviation, `uneven.at`.
+    Columns, the derivatives of the torque by the fitted parameters (samples, p), need not be
+    independent; noise is independent between curves.
     """
     basis = independent(columns)
     freedom = residual.size - basis.shape[1]

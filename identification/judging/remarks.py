@@ -26,10 +26,7 @@ def remarks_on(
 ) -> Iterator[Remark]:
     """Yields remarks on terms that were asked for and not found, or only in part.
 
-    Args:
-        corrections: What was asked for.
-        model: The fitted model.
-        change: The change over the cycles that was found.
+    The change over the cycles is the one that was found.
     """
     if corrections.softening == "fit" and change is None:
         yield Remark("softening none")
@@ -52,11 +49,7 @@ def diagnostics(
 ) -> Iterator[Remark]:
     """Yields remarks on a fit that deserves doubt.
 
-    Args:
-        model: The fitted model.
-        nrmse: Its NRMSE on `curves`.
-        curves: The fitted curves.
-        bounds: The search box of Ms, a, alpha, c, k in degrees; None for certified fits.
+    The bounds are the search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
     if nrmse > DISORDER:
         yield Remark("disorder error", {"nrmse": nrmse})

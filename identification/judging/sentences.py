@@ -257,9 +257,8 @@ class Remark:
         if self.option is None:
             return self.sentence
         name, value = self.option
-        if value == "auto":
-            return f"{self.sentence} (select(curves))"
-        return f"{self.sentence} ({_PARTS.get(name, '{}').format(f'{name}={value!r}')})"
+        argument = _PARTS.get(name, "{}").format(f"{name}={value!r}")
+        return f"{self.sentence} ({'select(curves)' if value == 'auto' else argument})"
 
     @property
     def advice(self) -> str:

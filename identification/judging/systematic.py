@@ -61,19 +61,14 @@ class Term(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Systematic:
-    """Systematic errors that curves allow beside a model.
+    """Systematic errors that curves allow beside a model; None where the curves leave one open.
 
-    Attributes:
-        offset: Offset of the torque sensor [N·m]; None where the curves leave it open, as they do
-            where the model has a spring with a rest angle of its own.
-        damping: Viscous torque per rate [N·m·s/rad]; None where the curves leave it open, or the
-            model has it.
-        left_open: What the curves leave open, as phrases.
+    They leave the offset open where the model has a spring with a rest angle of its own.
     """
 
-    offset: Term | None
-    damping: Term | None
-    left_open: tuple[str, ...]
+    offset: Term | None  # of the torque sensor [N·m]
+    damping: Term | None  # viscous torque per rate [N·m·s/rad]; None if the model has it
+    left_open: tuple[str, ...]  # what the curves leave open, as phrases
 
 
 def systematic(
@@ -92,8 +87,8 @@ def systematic(
     387).
 
     Args:
-        model: Fitted model.
-        curves: Curves that it was fitted to.
+        model: Model that is fitted to the curves.
+        curves: These curves.
         slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
         residual: Measured less modeled torque [N·m], shape (samples,).
         weights: Factors of slopes and residual of each sample, shape (samples,).

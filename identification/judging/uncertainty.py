@@ -202,17 +202,16 @@ def _intervals(
 
 def _binding(coordinates: Coordinates) -> Array | None:
     """Returns the derivative of the certificate's margin where the fit ended at its limit."""
-    margin = _margin(coordinates, coordinates.point)
+
+    def margin_at(move: Array | float) -> float:
+        return coordinates.at(coordinates.point + move)[0].certificate().margin
+
+    margin = margin_at(0.0)
     if not -np.inf < margin <= MARGIN + NEAR:
         return None
     moves = STEP * np.eye(coordinates.point.size)
-    moved = [_margin(coordinates, coordinates.point + move) for move in moves]
-    limit = (np.array(moved) - margin) / STEP
+    limit = (np.array([margin_at(move) for move in moves]) - margin) / STEP
     return limit if np.isfinite(limit).all() and limit.any() else None
-
-
-def _margin(coordinates: Coordinates, point: Array) -> float:
-    return coordinates.at(point)[0].certificate().margin
 
 
 def kind_of(model: HysteresisModel) -> str:

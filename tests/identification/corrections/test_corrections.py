@@ -230,13 +230,6 @@ def test_the_mean_of_later_cycles_follows_the_first(elbow):
     assert np.std(left[:first]) == pytest.approx(WHITE, rel=0.2)
 
 
-def test_a_fit_to_the_mean_is_that_of_the_cycled(elbow):
-    short = averaged_cycles([cycled(elbow, 12, jitter=1e-3)])
-    fit = fit_curves(short)
-    unseen = sweep(0.52, 1.2, 0.7, 1.4, 0.52)
-    assert fit.model.response(unseen) == pytest.approx(elbow.response(unseen), abs=0.08)
-
-
 def test_the_rate_is_kept(elbow):
     short = averaged_cycles([cycled(Viscoelastic(model=elbow, damping=0.5), 6)])
     fit = fit_curves(short, corrections=Corrections(rate="viscous"))

@@ -56,28 +56,6 @@ def test_nesting_is_what_return_point_memory_remembers():
         assert nesting_of([-point for point in points]) == deepest
 
 
-def test_nesting_is_the_alternating_series_of_extremes():
-    # The textbook's other wording (Mayergoyz 2003, chapter 1): since the last extreme of all, the
-    # next lowest and highest angles in turn. The motions begin at the lowest angle.
-    rng = np.random.default_rng(0)
-    for _ in range(50):
-        angle = np.array([0, *rng.permutation(np.arange(1, 15))])
-        turns = np.flatnonzero(np.diff(angle)[:-1] * np.diff(angle)[1:] < 0) + 1
-        points = angle[[0, *turns, angle.size - 1]]
-        longest = max(_series(points[: i + 1]) for i in range(1, points.size - 1))
-        assert nesting_of(points.tolist()) == longest
-
-
-def _series(points):
-    at, count = int(points.argmax()), 1
-    high = True
-    while at < points.size - 1:
-        rest = points[at + 1 :]
-        at += 1 + int(rest.argmin() if high else rest.argmax())
-        high, count = not high, count + 1
-    return count
-
-
 def test_first_order_curves(elbow):
     found = first_order(rate=0.1)
     assert found.range == (LOW, HIGH)

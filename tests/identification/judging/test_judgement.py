@@ -152,11 +152,6 @@ def test_copies_are_no_repeats_and_rounding_is_no_work(elbow):
     refuse_driven([Curve(angle, np.full(angle.size, 3.0), "constant")])
 
 
-def test_play_follows_when_the_gap_is_taken_up():
-    found = played(np.array([0.0, 0.1, 0.3, 0.25, 0.15, 0.2]), 0.1)
-    np.testing.assert_allclose(found, [0.0, 0.0, 0.2, 0.2, 0.15, 0.15])
-
-
 def test_loops_that_drive_the_joint_are_refused(elbow):
     right = family(elbow)
     assert loop_work(right).z > 10

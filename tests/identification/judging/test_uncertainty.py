@@ -194,13 +194,6 @@ def test_a_model_with_an_angle_range_counts_in_its_range(elbow):
     assert uncertainty(elbow, curves).noise.deviation > 0.1
 
 
-def test_curves_kept_out_do_not_count(elbow):
-    curves = family(elbow, noise=0.05)
-    far = Curve(curves[0].angle, 2 * curves[0].torque, "other", "predict")
-    alone, beside = uncertainty(elbow, curves), uncertainty(elbow, [*curves, far])
-    np.testing.assert_array_equal(alone.intervals, beside.intervals)
-
-
 def test_bad_input(elbow):
     curves = family(elbow, noise=0.05)
     short = Curve(curves[0].angle[:5], curves[0].torque[:5], "short")
