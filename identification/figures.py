@@ -116,7 +116,8 @@ def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float =
             Panel(x="angle [rad]", y="measured less model [N·m]", marks=left, levels=zero)
         )
     panels = [*loops, *residuals] if fitted else loops
-    return Plot(panels, f"Loops of the {joint.replace('_', ' ')}", columns=len(roles))
+    title = f"Loops of the {joint.replace('_', ' ')}"
+    return Plot(title=title, panels=panels, columns=len(roles))
 
 
 def _branches(angle: Array, label: str) -> dict[str, NDArray[np.bool_]]:

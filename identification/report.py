@@ -90,9 +90,10 @@ def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
     The half width is the mean of that of the torque without noise; what was measured has noise, so
     that it is compared with the band of measured torque. Without a band there is the reason why.
     """
-    found = selection.ensemble
     summaries: dict[str, dict[str, Any]] = {}
-    for curve in selection.fit.curves.held_out() if found else ():
+    if (found := selection.ensemble) is None:
+        return summaries
+    for curve in selection.fit.curves.held_out():
         try:
             low, high = found.band(curve)
             least, most = found.measured_band(curve)

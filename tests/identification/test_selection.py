@@ -68,32 +68,27 @@ def held_out(candidate, truth, noise):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "turns", "seed"),
+    ("name", "turns", "seed", "noise"),
     [
-        ("jiles-atherton", THREE, 0),
-        ("bouc-wen", THREE, 1),
-        ("prandtl-ishlinskii", THREE, 2),
-        ("preisach", SIX, 2),
+        ("jiles-atherton", THREE, 0, 0.01),
+        ("bouc-wen", THREE, 1, 0.01),
+        ("prandtl-ishlinskii", THREE, 2, 0.01),
+        ("preisach", SIX, 2, 0.01),
+        ("asymmetric preisach", SIX, 0, 0.02),  # of no kind that is tried
     ],
 )
-def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed):
-    noise, truth = 0.01, truths[name]
+def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed, noise):
+    truth = truths[name]
     selection = select(family(truth, turns, noise, seed), seed=seed)
     fit = selection.fit
     found = held_out(fit, truth, noise)
     assert found <= 1.5 * noise
     table = {candidate.name: candidate for candidate in selection.candidates}
     assert set(table) == NAMES
-    assert fit.model_name == name or found <= 1.1 * held_out(table[name], truth, noise)
+    best = held_out(table[name], truth, noise) if name in table else noise * 1.3 / 1.1
+    assert fit.model_name == name or found <= 1.1 * best
     assert fit.model.certificate().certified
     assert fit.model.certificate().dissipative
-
-
-@pytest.mark.slow
-def test_a_truth_of_another_kind_is_predicted(truths):
-    noise, truth, seed = 0.02, truths["asymmetric preisach"], 0
-    fit = select(family(truth, SIX, noise, seed), seed=seed).fit
-    assert held_out(fit, truth, noise) <= 1.3 * noise
 
 
 def test_the_choice_follows_its_rule_and_says_so(truths):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from activesuit.benchmarks.honesty.truths import KINDS, measured
 from activesuit.errors import InputError
-from activesuit.hysteresis import Backlash, BoucWen
-from activesuit.identification import Corrections, Curve, Search, fit_curves, motion_coverage
+from activesuit.hysteresis import BoucWen
+from activesuit.identification import Curve, Search, fit_curves, motion_coverage
 from activesuit.identification.data.curves import loop_work, refuse_driven
 from activesuit.identification.data.files import Motion
 from activesuit.identification.judging.faults import played
@@ -125,15 +125,6 @@ def test_a_fault_of_the_measurement_is_named(elbow, name, size, fault):
     assert found.causes[0].name == name
     assert found.causes[0].size == pytest.approx(size, rel=0.3)
     assert found.causes[0].remark in found.remarks
-
-
-@pytest.mark.slow
-def test_a_gap_is_named_with_its_remedy(elbow):
-    curves = family(Backlash(model=elbow, gap=0.04))
-    judged = fit_curves(curves).judgement
-    assert judged.causes[0].name == "gap"
-    assert judged.causes[0].remark.option == ("play", "fit")
-    assert fit_curves(curves, corrections=Corrections(play="fit")).verdict == NOT_BEYOND
 
 
 def test_too_few_samples_are_one_sentence(elbow):

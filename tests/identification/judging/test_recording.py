@@ -52,31 +52,6 @@ def test_a_fault_is_named_in_a_difficult_draw(fault, seed):
     assert is_named(fault, named(fault, seed))
 
 
-def test_torques_in_another_unit(elbow):
-    usual = along(elbow, 0.52, 1.5, 0.52)
-    assert recording_faults([usual]) == []
-    for factor in [1e3, 1e5, 1e-3]:
-        (first, *_) = recording_faults([replace(usual, torque=factor * usual.torque)])
-        assert (first.kind, first.values["low"], first.values["high"]) == ("unit torque", 0.01, 500)
-
-
-def test_copies_milliseconds_and_coarse_samples(elbow):
-    curve = along(elbow, 0.52, 1.5, 0.52, samples=60, time=np.linspace(0, 10, 119))
-    angle, torque, time = curve.angle, curve.torque, curve.time
-    for changes, kind in [
-        ({"time": 1000 * time}, "clock rate"),
-        ({"angle": np.round(angle / 0.05) * 0.05}, "encoder steps"),
-        ({"angle": angle[::13], "torque": torque[::13], "time": time[::13]}, "coarse"),
-    ]:
-        assert recording_faults([replace(curve, **changes)])[0].kind == kind
-    for fine in (curve, replace(curve, angle=np.round(angle / 0.001) * 0.001)):
-        assert recording_faults([fine]) == []
-    copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * torque)]
-    assert recording_faults(copies)[0] == Remark(
-        "copy", {"curve": "B", "other": "A", "factor": pytest.approx(1)}
-    )
-
-
 def test_lines_of_the_file_are_named(elbow, tmp_path):
     whole = along(elbow, 0.52, 1.5, 0.52, samples=60, noise=0.01)
     clipped = replace(whole, torque=np.minimum(whole.torque, 3.0))
