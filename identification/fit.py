@@ -178,7 +178,7 @@ def judged_fit(
         curve.name: float(np.abs(torque_errors(best.model, best.initial_torque, [curve])).max())
         for curve in curves.family.held_out()
     }
-    samples, used = (sum(map(len, (x.angle for x in some))) for some in (measured, curves.measured))
+    samples, used = (sum(one.angle.size for one in some) for some in (measured, curves.measured))
     score = best.nrmse
     if used < samples:
         score = nrmse(torque_errors(best.model, best.initial_torque, measured), measured)

@@ -175,9 +175,10 @@ def _branches(time: Array | None, angle: Array) -> _Branches:
     dead_band = max(estimate_dead_band(angle), SMALLEST * span)
     ends = _ends(angle, reversals(angle, dead_band).tolist())
     ways, rates = np.abs(np.diff(angle[ends])), []
-    for start, stop in pairwise(ends) if time is not None else ():
-        here = slice(start, stop + 1)
-        rates.append(_rate(angle[here], time[here], dead_band))
+    if time is not None:
+        for start, stop in pairwise(ends):
+            here = slice(start, stop + 1)
+            rates.append(_rate(angle[here], time[here], dead_band))
     whole = int(np.count_nonzero(ways >= WHOLE * span))
     return _Branches(ways, rates, nesting_of(angle[ends].tolist(), SMALLEST * span), whole // 2)
 
