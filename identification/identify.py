@@ -15,6 +15,7 @@ from .fit_curves import NONE, fit_curves, refuse_unknown
 from .fits.objective import InitialTorque
 from .fits.registry import FITS
 from .judging.coverage import Coverage, any_motion, coverage, motion_coverage
+from .judging.sentences import sentence
 from .methods import DEFAULT_MODEL, Method, method_of
 from .report import Identification
 from .selection import select
@@ -76,7 +77,7 @@ def identify(
     family, notes = Curves(curves), []
     if corrections.average_cycles:
         counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-        notes.append(f"mean of the cycles after the first: {counts}")
+        notes.append(sentence("averaged", counts=counts))
         family = averaged_cycles(family)
     used = replace(corrections, average_cycles=False)
     given = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
@@ -84,7 +85,7 @@ def identify(
         method = CERTIFIED
         if all(one is None for one in given.values()) and _is_divisible(family):
             method = AUTO
-            notes.append("method auto, since this is one record of several cycles")
+            notes.append(sentence("auto"))
     needed = _needed(family, use, intended)
     done = 0
 

@@ -1,4 +1,7 @@
-"""Every sentence on curves and fits by its code: judgements are data, and their words are here."""
+"""Every sentence on curves and fits by its code: judgements are data, and their words are here.
+
+A new remark is an entry of `SENTENCES`, and `Remark(kind, values)` where its condition is tested.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -166,6 +169,8 @@ SENTENCES = {
     "has loops inside loops to test them: all may be wrong together",
     "agreement unknown": "the kinds of model cannot be compared on the intended motion: {why}",
     # The answer of `identify`.
+    "averaged": "mean of the cycles after the first: {counts}",
+    "auto": "method auto, since this is one record of several cycles",
     "verdict": "verdict: the model {verdict}",
     "verdict beyond": "verdict: the model {verdict}: they have no loops inside loops (reversals "
     "nested {nesting} deep), no branch below {shortest:.0%} of the range, {rates}; and no intended "
