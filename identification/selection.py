@@ -28,7 +28,7 @@ from .fit_curves import (
 )
 from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
 from .fits.registry import FITS, Fitted, fit_model
-from .judging.coverage import Coverage, loops_suffice, motion_coverage
+from .judging.coverage import Coverage, motion_coverage
 from .judging.ensemble import (
     LEVEL,
     NARROW,
@@ -297,7 +297,8 @@ def _weighed(fit: Fit, alike: Agreement | None) -> Fit:
     if fit.verdict != NOT_BEYOND or fit.judgement is None or alike is None:
         return fit
     narrow = alike.tested and alike.half_width <= NARROW * fit.curves.peak
-    if not narrow or not loops_suffice(fit.shortfalls):
+    loops = ("coverage nesting", "coverage branches")  # a band says nothing outside the range
+    if not narrow or any(one.kind not in loops for one in fit.shortfalls):
         return fit
     remarks = tuple(one for one in fit.remarks if one.code != "coverage")
     return replace(fit, judgement=replace(fit.judgement, verdict=DESCRIBES), remarks=remarks)

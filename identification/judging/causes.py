@@ -56,11 +56,6 @@ class Cause:
     explained: Explained
     left: float
 
-    def to_dict(self) -> dict[str, object]:
-        """Returns curve, size and probability as plain values."""
-        probability = self.explained.probability
-        return {"curve": self.curve, "size": self.size, "probability": probability}
-
     @property
     def remark(self) -> Remark:
         """The fault and its remedy."""

@@ -135,11 +135,6 @@ def shortfalls(measured: Coverage, needed: Coverage) -> list[Remark]:
     return found
 
 
-def loops_suffice(short: Iterable[Remark]) -> bool:
-    """Returns whether curves fall short of a motion at most in loops, not in range or rates."""
-    return all(one.kind in ("coverage nesting", "coverage branches") for one in short)
-
-
 def nesting_of(points: Sequence[float], tolerance: float = 0.0) -> int:
     """Returns the most reversals that a motion remembers at once, see `Coverage`.
 

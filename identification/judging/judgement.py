@@ -142,7 +142,10 @@ class Judgement:
                 "probability": self.misfit.probability,
                 "threshold": UNLIKELY,
             },
-            "causes": {one.name: one.to_dict() for one in self.causes},
+            "causes": {
+                x.name: {"curve": x.curve, "size": x.size, "probability": x.explained.probability}
+                for x in self.causes
+            },
             "baselines": self.baselines,
         }
 
