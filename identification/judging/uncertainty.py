@@ -112,7 +112,8 @@ def uncertainty(
 
     Args:
         model: Identified model of any kind, whose fit minimized squares.
-        curves: Curves that it was fitted to; those with role "fit" are used.
+        curves: Curves that it was fitted to; those with role "fit" are used. `data.parts.thinned`
+            shortens long ones, which widens the intervals.
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
