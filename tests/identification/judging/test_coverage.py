@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
-from activesuit.hysteresis import Preisach
 from activesuit.identification import (
     Curve,
     Motion,
     coverage,
-    first_order_motions,
-    fit_preisach,
     motion_coverage,
     nested_motion,
     shortfalls,
@@ -160,28 +157,6 @@ def test_rates_are_kept_and_spread():
         assert (ways / np.array(found.rates) >= SHORTEST - 1e-9).all()
         up = np.log(found.rates[::2]).mean() - np.log(found.rates[1::2]).mean()
         assert abs(up) < 0.7  # no direction is the fast one
-
-
-def test_it_shows_what_first_order_curves_do_not():
-    # Three first-order curves leave most weights of this truth open, and with them inner loops.
-    rng = np.random.default_rng(0)
-    truth = Preisach(
-        levels=np.linspace(LOW, HIGH, 9),
-        density=[rng.uniform(0, 1.0, i + 1) for i in range(8)],
-        elastic=rng.uniform(5, 9, 8),
-    )
-    motions = {
-        **first_order_motions((0.9, 1.25, HIGH), start_angle=LOW, angle_step=0.02),
-        "record": nested_motion(LOW, HIGH).angle[::5],
-    }
-    curves = [
-        Curve(x, truth.response(x) + 0.02 * rng.standard_normal(x.size), name)
-        for name, x in motions.items()
-    ]
-    angle = np.interp(np.arange(0, 6, 0.02), range(7), [LOW, 1.5, 0.8, 1.3, 0.9, 1.2, 0.6])
-    few, more = (fit_preisach(some).response(angle) for some in (curves[:-1], curves))
-    right = truth.response(angle)
-    assert np.std(more - right) < 0.7 * np.std(few - right)
 
 
 def test_bad_designs():
