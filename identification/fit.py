@@ -61,7 +61,7 @@ class Fit:
         trials: Every finished trial, by index.
         curves: The measured curves, those with role "predict" too, less the tare, and with the
             torques that they would have had at the end of the measurement.
-        fitted_curves: Those that the fit used, thinned if they are long.
+        fitted_curves: The curves that the fit used, thinned if they are long.
         remarks: Reasons to doubt the model; empty if there are none.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.

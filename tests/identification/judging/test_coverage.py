@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from activesuit.identification import (
-    Curve,
     Motion,
     coverage,
     motion_coverage,
