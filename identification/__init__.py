@@ -1,6 +1,7 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
-from .corrections.corrections import Corrections, averaged_cycles
+from .corrections.corrections import Corrections
+from .corrections.cycles import averaged_cycles
 from .data.curves import Curve, Curves
 from .data.files import Motion, load_curves, load_motion, save_curves, save_motion
 from .data.motions import Design, first_order_motions, measure, multi_order_motion, nested_motion
@@ -14,7 +15,7 @@ from .fits.weights import fit_hinged_stops, fit_prandtl_ishlinskii, fit_preisach
 from .identify import identify
 from .judging.coverage import Coverage, coverage, motion_coverage, shortfalls
 from .judging.ensemble import Candidate, Ensemble, Member
-from .judging.remarks import Remark
+from .judging.sentences import Remark
 from .judging.uncertainty import Uncertainty, uncertainty
 from .methods import Certified, Magnetic, Search
 from .report import Identification

@@ -12,8 +12,8 @@ from ..plots import Band, Line, Mark, Panel, Plot
 from .data.curves import Curve
 from .data.parts import drawn_note, drawn_samples
 from .fit import Fit
+from .judging.sentences import DESCRIBES
 from .judging.uncertainty import Uncertainty
-from .judging.verdict import DESCRIBES
 from .selection import Selection
 
 ROLES = {"fit": "fitted", "predict": "predicted"}
@@ -21,25 +21,15 @@ COLUMNS = ["joint", "curve", "role", "angle_rad", "measured_nm", "model_nm", "lo
 
 
 class Compared(NamedTuple):
-    """A measured curve beside a model, thinned for figures.
-
-    Attributes:
-        curve: The measured curve.
-        angle: Angle [rad], shape (samples,), as all that follow.
-        measured: Measured torque [N·m].
-        model: Torque of the model [N·m]; NaN without one.
-        low: Lower end of the torque's band [N·m]; NaN without one.
-        high: Its upper end [N·m].
-        note: How many samples there are, where some are left out.
-    """
+    """A measured curve beside a model, thinned for figures; all arrays have shape (samples,)."""
 
     curve: Curve
-    angle: Array
-    measured: Array
-    model: Array
-    low: Array
-    high: Array
-    note: str = ""
+    angle: Array  # [rad]
+    measured: Array  # torque [N·m]
+    model: Array  # torque of the model [N·m]; NaN without one
+    low: Array  # lower end of the torque's band [N·m]; NaN without one
+    high: Array  # its upper end [N·m]
+    note: str = ""  # how many samples there are, where some are left out
 
 
 def compared(
@@ -50,12 +40,8 @@ def compared(
     """Returns measured curves beside a model.
 
     The band is that over kinds of model where they were compared, else that of the parameters where
-    the model describes the curves.
-
-    Args:
-        curves: Measured curves.
-        result: What was identified from them; None for the curves alone.
-        uncertainty: Uncertainty of the parameters; None if it was not asked for.
+    the model describes the curves and their uncertainty is given. Without a result there are the
+    curves alone.
     """
     found = []
     for role in ROLES:
@@ -96,13 +82,8 @@ def loop_rows(joint: str, curves: Sequence[Compared]) -> Iterator[list[str]]:
 def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float = 0.0) -> Plot:
     """Returns the measured loops of a joint with the torque of each model, and what is left below.
 
-    Args:
-        joint: Name of the joint.
-        fits: The same curves beside each model, by its label.
-        tare: Torque of the sensor that is taken off the measured ones [N·m].
-
-    Returns:
-        Fitted curves on the left, predicted ones on the right, if there are any.
+    Fitted curves are on the left, predicted ones on the right. The same curves are beside each
+    model, by its label; `tare` is the torque of the sensor that is taken off them [N·m].
     """
     first = next(iter(fits.values()))
     roles = [role for role in ROLES if any(one.curve.role == role for one in first)]
@@ -120,7 +101,8 @@ def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float =
         ]
         left: list[Mark] = []
         for label, ones in here.items() if fitted else ():
-            marks += [Band(x.angle, x.low, x.high, label) for x in ones if _known(x.low)]
+            known = [x for x in ones if np.isfinite(x.low).any()]
+            marks += [Band(x.angle, x.low, x.high, label) for x in known]
             marks += [Line(x.angle, x.model, label) for x in ones]
             left += [
                 Line(x.angle[way], (x.measured - x.model)[way], name, points=True)
@@ -133,28 +115,23 @@ def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float =
         residuals.append(
             Panel(x="angle [rad]", y="measured less model [N·m]", marks=left, levels=zero)
         )
-    title = f"Loops of the {joint.replace('_', ' ')}"
     panels = [*loops, *residuals] if fitted else loops
+    title = f"Loops of the {joint.replace('_', ' ')}"
     return Plot(title=title, panels=panels, columns=len(roles))
-
-
-def _known(values: Array) -> bool:
-    return bool(np.isfinite(values).any())
 
 
 def _branches(angle: Array, label: str) -> dict[str, NDArray[np.bool_]]:
     """Returns which samples are on ascending and which on descending branches, by name."""
-    up = np.gradient(angle) >= 0
     if label:
         return {label: np.ones(angle.size, bool)}
+    up = np.gradient(angle) >= 0
     return {"residual, ascending": up, "residual, descending": ~up}
 
 
 def convergence_plot(histories: Mapping[str, Mapping[str, Sequence[Sequence[float]]]]) -> Plot:
     """Returns the best fitness over iterations: median of the trials, and their quartiles.
 
-    Args:
-        histories: Joint name -> method -> one history per trial.
+    There is one history per trial, by joint and method.
     """
     panels = []
     for joint, methods in histories.items():

@@ -12,14 +12,15 @@ from ..published import LI_BOUNDS
 from .corrections.corrections import Corrected, Corrections
 from .corrections.softening import Softening
 from .data.curves import Curve, Curves
-from .data.parts import thinning_note
+from .data.parts import FITTED
 from .fits.magnetic import FORMS
 from .fits.objective import Fitted, InitialTorque, nrmse, predicted, torque_errors
 from .judging.coverage import NESTED, Coverage, coverage, shortfalls
+from .judging.judgement import Judgement, judge
 from .judging.recording import IF_WRONG, recording_faults
-from .judging.remarks import Remark, begins_elsewhere, diagnostics, remarks_on
+from .judging.remarks import begins_elsewhere, diagnostics, remarks_on
+from .judging.sentences import NOT, UNKNOWN, Remark
 from .judging.uncertainty import Uncertainty, uncertainty
-from .judging.verdict import NOT, UNKNOWN, Judgement, judge
 from .methods import Magnetic, Method, Search
 
 ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
@@ -60,11 +61,12 @@ class Fit:
         trials: Every finished trial, by index.
         curves: The measured curves, those with role "predict" too, less the tare, and with the
             torques that they would have had at the end of the measurement.
+        fitted_curves: The curves that the fit used, thinned if they are long.
         remarks: Reasons to doubt the model; empty if there are none.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
         coverage: Range, reversals, rates and cycles of the fitted curves.
-        shortfalls: Requirements of the intended motions that the curves do not cover, as sentences.
+        shortfalls: Requirements of the intended motions that the curves do not cover.
         tare: Offset of the torque sensor that was subtracted from the curves [N·m].
         softening: Change of the torque over the cycles that was removed from the curves; None if
             none was.
@@ -81,12 +83,13 @@ class Fit:
     prediction_errors: dict[str, float]
     trials: tuple[Trial, ...]
     curves: Curves = field(repr=False, compare=False)
+    fitted_curves: Curves = field(repr=False, compare=False)
     remarks: tuple[Remark, ...] = ()
     interrupted: bool = False
     fitted_start: bool = False
     judgement: Judgement | None = field(default=None, compare=False)
     coverage: Coverage | None = None
-    shortfalls: tuple[str, ...] = ()
+    shortfalls: tuple[Remark, ...] = ()
     tare: float = 0.0
     softening: Softening | None = None
 
@@ -123,7 +126,7 @@ class Fit:
 
     @property
     def verdict(self) -> str:
-        """Whether the model describes the curves, as a phrase; see `judging.verdict`."""
+        """Whether the model describes the curves, as a phrase; see `judging.judgement`."""
         return NOT if self.judgement is None else self.judgement.verdict
 
     def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
@@ -136,7 +139,7 @@ class Fit:
         """
         return uncertainty(
             self.model,
-            self.curves,
+            self.fitted_curves,
             initial_torque=self.initial_torque,
             fitted_start=self.fitted_start,
             samples=samples,
@@ -154,7 +157,7 @@ def judged_fit(
     *,
     fitted_start: bool,
     interrupted: bool,
-    memoryless: str = "",
+    memoryless: Remark | None = None,
 ) -> Fit:
     """Returns the best of some trials with its errors, its verdict and all remarks.
 
@@ -167,7 +170,7 @@ def judged_fit(
         needed: Coverage of the intended motions.
         fitted_start: Whether the fit chose the torque with which the curves begin.
         interrupted: Whether Ctrl-C ended it before all trials were done.
-        memoryless: Why no hysteresis model is needed, as a sentence; empty if one is.
+        memoryless: Why no hysteresis model is needed; None if one is.
     """
     measured = curves.family.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))
@@ -175,8 +178,9 @@ def judged_fit(
         curve.name: float(np.abs(torque_errors(best.model, best.initial_torque, [curve])).max())
         for curve in curves.family.held_out()
     }
-    score, note = best.nrmse, thinning_note(measured)
-    if note:
+    samples, used = (sum(one.angle.size for one in some) for some in (measured, curves.measured))
+    score = best.nrmse
+    if used < samples:
         score = nrmse(torque_errors(best.model, best.initial_torque, measured), measured)
     covered = coverage(measured)
     short = shortfalls(covered, needed) if needed else []
@@ -184,14 +188,13 @@ def judged_fit(
     judged = judge(
         best.model,
         best.initial_torque,
-        measured,
+        curves.judged,
         fitted_start=fitted_start,
         beyond=bool(short) if needed else covered.nesting < NESTED,
         searched=is_search and method.objective != "robust" and method.normalize != "curve",
     )
     if memoryless and judged:
-        remarks = (Remark("memoryless", memoryless), *judged.remarks)
-        judged = replace(judged, verdict=NOT, remarks=remarks)
+        judged = replace(judged, verdict=NOT, remarks=(memoryless, *judged.remarks))
     doubted = judged is None or judged.verdict in (NOT, UNKNOWN)
     faults = recording_faults(curves.read.fitted())
     remarks = [one for one in faults if doubted or one.code not in IF_WRONG]
@@ -199,11 +202,12 @@ def judged_fit(
     remarks += judged.remarks if judged else ()
     if isinstance(method, Magnetic):
         remarks += _alike_forms(trials, measured)
-    remarks += [Remark("coverage", sentence) for sentence in short]
+    remarks += short
     if judged and not fitted_start:
         remarks += begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
-    if note:
-        remarks.insert(0, Remark("thinned", f"{note}, in the fit; errors are those of all"))
+    if used < samples:
+        thinned = {"used": used, "samples": samples, "every": -(-samples // FITTED)}
+        remarks.insert(0, Remark("thinned", thinned))
     remarks += remarks_on(corrections, best.model, curves.softening)
     return Fit(
         model=best.model,
@@ -215,6 +219,7 @@ def judged_fit(
         prediction_errors=errors,
         trials=tuple(sorted(trials, key=lambda trial: trial.index)),
         curves=curves.family,
+        fitted_curves=curves.measured,
         remarks=tuple(remarks),
         interrupted=interrupted,
         fitted_start=fitted_start,
@@ -235,13 +240,5 @@ def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:
         for one in others
         if 2 * samples * np.log(one.loss / best.loss) < ALIKE
     ]
-    if not alike:
-        return []
-    return [
-        Remark(
-            "form",
-            f"the curves do not distinguish the form {FORMS[best.index]!r} (NRMSE {best.loss:.2%}) "
-            f"from {' and '.join(alike)}, whose parameters are other ones: "
-            "measure with less noise, or name the form with every parameter",
-        )
-    ]
+    form = f"{FORMS[best.index]!r} (NRMSE {best.loss:.2%})"
+    return [Remark("form", {"form": form, "others": " and ".join(alike)})] if alike else []

@@ -11,9 +11,8 @@ from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
 from ..published import LI_BOUNDS
-from .corrections.corrections import Corrected, Corrections, averaged, corrected
-from .data.curves import Curve, Curves, refuse_driven, turns_back
-from .data.parts import thinned
+from .corrections.corrections import Corrected, Corrections, corrected
+from .data.curves import Curve, Curves, turns_back
 from .fit import Fit, Trial, judged_fit
 from .fits.certified import paper_model
 from .fits.magnetic import FORMS, magnetic_fit
@@ -182,15 +181,18 @@ def prepared(
         start: Torque at the beginning, as an option of that fit.
         seed: Seed of its random numbers.
     """
-    family = averaged(Curves(curves), corrections)
-    measured = thinned(_measured(family))
-    refuse_driven(measured)
+    family = Curves(curves)
+    _refuse_unusable(family.fitted())
+    if corrections.average_cycles:
+        raise InputError(
+            "average_cycles is True, and only `identify` averages: give averaged_cycles(curves)"
+        )
 
     def fitted(some: Curves) -> Fitted:
         rng = np.random.default_rng(seed)
         return fit_model(model, some, rng, **start, **corrections.beside)
 
-    return corrected(Curves(curves), family, measured, corrections, fitted)
+    return corrected(family, corrections, fitted)
 
 
 def refuse_unknown(given: dict[str, Any]) -> None:
@@ -201,9 +203,8 @@ def refuse_unknown(given: dict[str, Any]) -> None:
         raise unknown_name("option", name, known)
 
 
-def _measured(curves: Curves) -> Curves:
-    """Returns the curves to fit; reports unusable ones before any thread starts."""
-    measured = curves.fitted()
+def _refuse_unusable(measured: Curves) -> None:
+    """Refuses too few samples to fit, and curves that never turn back."""
     samples = CurveObjective(measured).torque.size
     if samples < FEWEST_SAMPLES:
         raise InputError(
@@ -214,7 +215,6 @@ def _measured(curves: Curves) -> Curves:
             "no curve turns back, and one direction of motion alone does not show the loss: "
             "measure the return of at least one curve too"
         )
-    return measured
 
 
 def refuse_weights(curves: Sequence[Curve]) -> None:

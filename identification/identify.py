@@ -6,7 +6,8 @@ from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError
-from .corrections.corrections import Corrections, averaged, cycles_of
+from .corrections.corrections import Corrections
+from .corrections.cycles import averaged_cycles, cycles_of
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import questions
@@ -14,6 +15,7 @@ from .fit_curves import NONE, fit_curves, refuse_unknown
 from .fits.objective import InitialTorque
 from .fits.registry import FITS
 from .judging.coverage import Coverage, any_motion, coverage, motion_coverage
+from .judging.sentences import sentence
 from .methods import DEFAULT_MODEL, Method, method_of
 from .report import Identification
 from .selection import select
@@ -75,15 +77,15 @@ def identify(
     family, notes = Curves(curves), []
     if corrections.average_cycles:
         counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-        notes.append(f"mean of the cycles after the first: {counts}")
-        family = averaged(family, corrections)
+        notes.append(sentence("averaged", counts=counts))
+        family = averaged_cycles(family)
     used = replace(corrections, average_cycles=False)
     given = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
     if method is None:
         method = CERTIFIED
         if all(one is None for one in given.values()) and _is_divisible(family):
             method = AUTO
-            notes.append("method auto, since this is one record of several cycles")
+            notes.append(sentence("auto"))
     needed = _needed(family, use, intended)
     done = 0
 

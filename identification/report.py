@@ -18,22 +18,22 @@ from .corrections.corrections import Corrections
 from .fit import Fit
 from .fit_curves import NONE
 from .judging.coverage import Coverage
-from .judging.remarks import Remark
-from .judging.uncertainty import Uncertainty, kind_of
-from .judging.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
+from .judging.sentences import DESCRIBES, NOT_BEYOND, SENTENCES, sentence
+from .judging.uncertainty import CONFIDENCE, Uncertainty, kind_of
 from .selection import Selection
 
-TARE = "--tare NUMBER"
 SQUARES = ("auto", "certified")  # methods that minimize squares
-MISSING = {  # by verdict: what no sample of the model has
-    NOT: "what the model does not describe in its own curves",
-    UNKNOWN: "whether the kind of model is right",
-    NOT_BEYOND: "motions unlike the curves",
-}
 MOST_ROWS = 20  # limit of a table on the screen
 # Attributes that JSON has as they are.
+FIT = (
+    *("method", "model_name", "initial_torque", "tare", "fitness", "nrmse", "evaluations"),
+    *("agreed", "starts", "interrupted", "verdict"),
+)
 CANDIDATE = ("name", "parameters", "prediction_nrmse", "fit_nrmse")
-UNCERTAIN = ("names", "values", "standard_errors", "intervals", "condition", "sloppy")
+UNCERTAIN = (
+    *("names", "values", "standard_errors", "intervals", "condition", "open_ends", "left_open"),
+    "offset_open",
+)
 TRIAL = ("nrmse", "evaluations", "agreed", "starts", "initial_torque")
 
 
@@ -41,24 +41,21 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
     """Returns one row per curve family and method: errors, certificate, cost and prediction."""
     header = ["curves", "method", "fitness,\neq. (7)", "NRMSE", "margin"]
     header += ["model\nruns", "starts that\nagree", "held-out\nmax [N·m]"]
-    rows = []
-    for joint, methods in fits.items():
-        for method, fit in methods.items():
-            errors = fit.prediction_errors.items()
-            held_out = (f"{name}: {error:.2f}" for name, error in errors)
-            rows.append(
-                [
-                    joint,
-                    method,
-                    f"{fit.fitness:.2e}",
-                    f"{fit.nrmse:.2%}",
-                    f"{fit.model.certificate().margin:.3f}",
-                    "-" if fit.evaluations is None else f"{fit.evaluations:,}",
-                    "-" if fit.agreed is None else f"{fit.agreed} of {fit.starts}",
-                    "\n".join(held_out) or "-",
-                ]
-            )
-    return header, rows
+    return header, [
+        [
+            joint,
+            method,
+            f"{fit.fitness:.2e}",
+            f"{fit.nrmse:.2%}",
+            f"{fit.model.certificate().margin:.3f}",
+            "-" if fit.evaluations is None else f"{fit.evaluations:,}",
+            "-" if fit.agreed is None else f"{fit.agreed} of {fit.starts}",
+            "\n".join(f"{name}: {error:.2f}" for name, error in fit.prediction_errors.items())
+            or "-",
+        ]
+        for joint, methods in fits.items()
+        for method, fit in methods.items()
+    ]
 
 
 def candidate_table(selection: Selection) -> Rows:
@@ -79,13 +76,12 @@ def candidate_table(selection: Selection) -> Rows:
 def band_table(bands: Mapping[str, Mapping[str, Any]]) -> Rows:
     """Returns one row per curve that was kept out of the fit, see `bands_of`."""
     header = ["curve", "half width\n[N·m]", "measured samples inside,\nnoise added"]
-    rows = [
+    return header, [
         [name, "none", band["why"]]
         if "why" in band
         else [name, f"{band['half_width']:.3g}", f"{band['inside']:.1%}"]
         for name, band in bands.items()
     ]
-    return header, rows
 
 
 def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
@@ -94,9 +90,9 @@ def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
     The half width is the mean of that of the torque without noise; what was measured has noise, so
     that it is compared with the band of measured torque. Without a band there is the reason why.
     """
-    summaries, found = {}, selection.ensemble
-    if found is None:
-        return {}
+    summaries: dict[str, dict[str, Any]] = {}
+    if (found := selection.ensemble) is None:
+        return summaries
     for curve in selection.fit.curves.held_out():
         try:
             low, high = found.band(curve)
@@ -105,10 +101,8 @@ def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
             summaries[curve.name] = {"why": str(error)}
             continue
         inside = (least <= curve.torque) & (curve.torque <= most)
-        summaries[curve.name] = {
-            "half_width": float(np.mean(high - low)) / 2,
-            "inside": float(np.mean(inside)),
-        }
+        half_width = float(np.mean(high - low)) / 2
+        summaries[curve.name] = {"half_width": half_width, "inside": float(np.mean(inside))}
     return summaries
 
 
@@ -125,7 +119,8 @@ def band_of(fit: Fit) -> dict[str, float] | None:
         ends = [found.band(curve) for curve in fit.curves.fitted()]
     except InputError:
         return None
-    return {"level": 0.95, "half_width": max(float(np.max(high - low)) / 2 for low, high in ends)}
+    half_width = max(float(np.max(high - low)) / 2 for low, high in ends)
+    return {"level": CONFIDENCE, "half_width": half_width}
 
 
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
@@ -136,14 +131,9 @@ def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
     for i, name in enumerate(found.names[:MOST_ROWS]):
         low, high = found.intervals[i]
         base, bracket, number = name.partition("[")
-        rows.append(
-            [
-                labeled(base, units).replace(base, base + bracket + number, 1),
-                f"{found.values[i]:.5g}",
-                f"{found.standard_errors[i]:.2g}",
-                f"{low:.5g} .. {high:.5g}",
-            ]
-        )
+        label = labeled(base, units).replace(base, base + bracket + number, 1)
+        value, error = f"{found.values[i]:.5g}", f"{found.standard_errors[i]:.2g}"
+        rows.append([label, value, error, f"{low:.5g} .. {high:.5g}"])
     if len(found.names) > MOST_ROWS:
         rows.append([f"{len(found.names) - MOST_ROWS} more in result.json", "", "", ""])
     return header, rows
@@ -158,23 +148,13 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
     """Returns a fit as plain values for JSON."""
     certificate = fit.model.certificate()
     return {
-        "method": fit.method,
+        **_plain(fit, FIT),
         "seed": seed,
-        "model_name": fit.model_name,
         "model": fit.model.to_dict(),
-        "initial_torque": fit.initial_torque,
-        "tare": fit.tare,
         "softening": fit.softening and fit.softening._asdict(),
-        "fitness": fit.fitness,
-        "nrmse": fit.nrmse,
         "prediction_max_error": fit.prediction_errors,
-        "evaluations": fit.evaluations,
-        "agreed": fit.agreed,
-        "starts": fit.starts,
         "trials": len(fit.trials),
-        "interrupted": fit.interrupted,
-        "remarks": [asdict(remark) for remark in fit.remarks],
-        "verdict": fit.verdict,
+        "remarks": [remark.to_dict() for remark in fit.remarks],
         "judgement": fit.judgement and fit.judgement.to_dict(),
         "band": band_of(fit),
         "certificate": {**asdict(certificate), "certified": certificate.certified},
@@ -183,25 +163,15 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
 
 def selection_summary(selection: Selection) -> dict[str, Any]:
     """Returns what a selection has beside its fit, as plain values for JSON."""
-    members = selection.ensemble
+    members, alike = selection.ensemble, selection.agreement
     return {
         "why": selection.why,
-        "agreement": selection.agreement and selection.agreement._asdict(),
+        "agreement": alike and _plain(alike, ("half_width", "tested", "sentence")),
         "candidates": [
             {**_plain(one, CANDIDATE), "failed": one.reason or None} for one in selection.candidates
         ],
         "ensemble": members and {**members.to_dict(), "bands": bands_of(selection)},
     }
-
-
-def advised(remark: Remark) -> str:
-    """Returns a remark with the option of the command line that would act on it."""
-    if remark.code == "wandering":
-        return f"{remark.sentence} (activesuit identify FIRST.csv SECOND.csv --method auto)"
-    if remark.option is None:
-        return remark.sentence
-    name, value = remark.option
-    return f"{remark.sentence} (--{name.replace('_', '-')} {value})"
 
 
 def _plain(one: Any, names: Sequence[str]) -> dict[str, Any]:
@@ -216,7 +186,6 @@ def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
         "noise": found.noise.deviation,
         "noise_correlation": found.noise.memory,
         "offset": found.offset and found.offset._asdict(),
-        **_plain(found, ("left_open", "offset_open")),
         "samples": [sample.to_dict() for sample in found.samples],
     }
 
@@ -282,6 +251,11 @@ class Identification:
         raise AttributeError(f"an identification has no attribute {name!r}")
 
     @property
+    def selection(self) -> Selection | None:
+        """The selection of a kind of model; None where the kind was given."""
+        return self.result if isinstance(self.result, Selection) else None
+
+    @property
     def fit(self) -> Fit:
         """The fit, with its errors."""
         return self.result.fit if isinstance(self.result, Selection) else self.result
@@ -301,42 +275,38 @@ class Identification:
         """Source, method and seed, in a sentence."""
         fit = self.fit
         text = f"Identified from {fit.curves.source} by {fit.method}, seed {self.seed}"
-        return (
-            f"{text}, interrupted: the best of the {self.finished}."
-            if fit.interrupted
-            else f"{text}."
-        )
+        kept = f", interrupted: the best of the {self.finished}" if fit.interrupted else ""
+        return f"{text}{kept}."
 
     @property
     def finished(self) -> str:
         """How many models or trials are finished, in words."""
-        if isinstance(self.result, Selection):
-            return f"{len(self.result.candidates)} models tried so far"
-        return f"{len(self.result.trials)} finished trials"
+        if self.selection:
+            return f"{len(self.selection.candidates)} models tried so far"
+        return f"{len(self.fit.trials)} finished trials"
 
     @property
     def left_open(self) -> list[str]:
         """What the curves leave open and no sample has, as phrases."""
-        fit, found = self.fit, self.uncertainty
-        return [
-            *(found.left_open if found else ()),
-            *([] if isinstance(self.result, Selection) else ["other kinds of model"]),
-            *([MISSING[fit.verdict]] if fit.verdict in MISSING else ()),
-        ]
+        kinds = [] if self.selection else ["left open kinds"]
+        if (kind := f"left open {self.verdict}") in SENTENCES:
+            kinds.append(kind)
+        found = self.uncertainty.left_open if self.uncertainty else ()
+        return [*found, *map(sentence, kinds)]
 
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values."""
         fit = self.fit
         coverage = {
             "for": self.use,
-            "measured": fit.coverage and fit.coverage.to_dict(),
-            "needed": self.needed and self.needed.to_dict(),
-            "shortfalls": fit.shortfalls,
+            "measured": fit.coverage and asdict(fit.coverage),
+            "needed": self.needed and asdict(self.needed),
+            "shortfalls": [one.sentence for one in fit.shortfalls],
         }
         summary = {**fit_summary(fit, self.seed), "coverage": coverage}
         summary["reading"] = fit.curves.reading
-        if isinstance(self.result, Selection):
-            summary |= selection_summary(self.result)
+        if self.selection:
+            summary |= selection_summary(self.selection)
         if self.uncertainty:
             summary["uncertainty"] = uncertainty_summary(self.uncertainty)
         return summary
@@ -345,21 +315,25 @@ class Identification:
         """Returns tables by title, beginning with that of the models it was chosen from."""
         fit, found, tables = self.fit, self.uncertainty, {}
         name = fit.curves.source
-        if isinstance(self.result, Selection):
-            tables[f"models for {name}"] = candidate_table(self.result)
+        if self.selection:
+            tables[f"models for {name}"] = candidate_table(self.selection)
         header, rows = parameter_table({"value": fit.model})
         start = fit.initial_torque
         begins = start if isinstance(start, str) else f"{start:.5g}"
         rows = [*rows, ["initial torque [N·m]", begins]]
         if fit.tare:
-            rows.append(["tare [N·m]", f"{fit.tare:.5g}{self._deviation()}"])
+            sure = ""
+            if found and found.offset:
+                low, high = found.offset.interval(fit.tare)
+                sure = f" ({low:.3g} to {high:.3g})"
+            rows.append(["tare [N·m]", f"{fit.tare:.5g}{sure}"])
         if fit.softening:
             first, steady, cycles, _ = fit.softening
             change = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
             rows.append(["torque over the last", change])
         tables[name] = header, rows
         tables["quality"] = quality_table({Path(name).stem: {fit.method: fit}})
-        if isinstance(self.result, Selection) and (bands := bands_of(self.result)):
+        if self.selection and (bands := bands_of(self.selection)):
             tables["bands of nominal 90 % over kinds of model"] = band_table(bands)
         if found:
             tables["how sure the parameters are"] = uncertainty_table(fit, found)
@@ -367,28 +341,34 @@ class Identification:
 
     def sentences(self) -> list[str]:
         """Returns the verdict, and what else there is to say, the most important first."""
-        fit, found = self.fit, self.uncertainty
-        said = [*self.notes]
-        said += [f"tare: {one.sentence} ({TARE})" for one in fit.remarks if one.code == "open"]
-        said += [f"verdict: the model {fit.verdict}{self._not_contained()}"]
-        if isinstance(self.result, Selection):
-            said.append(self.result.why)
-            if self.result.agreement:
-                said.append(f"agreement: {self.result.agreement.sentence}")
+        fit, found, said = self.fit, self.uncertainty, [*self.notes]
+        for one in fit.remarks:
+            if one.code == "open":
+                said.append(f"tare: {one.sentence} (--tare NUMBER)")
+        said.append(self._verdict())
+        if self.selection:
+            said.append(self.selection.why)
+            if self.selection.agreement:
+                said.append(f"agreement: {self.selection.agreement.sentence}")
         if fit.judgement:
-            said.append(f"noise: {fit.judgement.noise}")
-        said += self._band()
-        notes = [advised(one) for one in fit.remarks if one.code != "open"]
-        notes += found.sloppy if found else ()
-        said += [f"note: {one}" for one in (*self._open_offset(), *notes)]
+            noise = fit.judgement.noise
+            kind = "noise uneven" if noise.share else "noise"
+            said.append(sentence(kind, constant=noise.constant, percent=100 * noise.share))
+        if band := band_of(fit):
+            values = band | {"share": band["half_width"] / fit.curves.peak}
+            kinds = "" if self.selection else " (--method auto compares kinds)"
+            said.append(sentence("band", **values, kinds=kinds))
+        elif fit.verdict == NOT_BEYOND:
+            said.append(sentence("band none"))
+        notes = [*self._open_offset(), *(one.advice for one in fit.remarks if one.code != "open")]
+        for end, names in (found.open_ends if found else {}).items():
+            notes.append(sentence("open ends", end=end, names=", ".join(names)))
+        said += [f"note: {one}" for one in notes]
         if found:
             kinds = len({kind_of(one) for one in found.samples})
-            of = "1 kind" if kinds == 1 else f"{kinds} kinds"
+            values = {"count": len(found.samples), "kinds": f"{kinds} kind{'s' * (kinds != 1)}"}
             without = "; ".join(self.left_open) or "nothing that is known"
-            said.append(
-                f"samples: {len(found.samples)}, of {of} of model, which the curves allow too; not "
-                f"among them: {without}"
-            )
+            said.append(sentence("samples", **values, without=without))
         return said
 
     def columns(self, joint: str) -> dict[str, tuple[Sequence[str], Iterable[Sequence[Any]]]]:
@@ -406,22 +386,16 @@ class Identification:
     def _compared(self) -> list[figures.Compared]:
         return figures.compared(self.fit.curves, self.result, self.uncertainty)
 
-    def _band(self) -> Iterator[str]:
-        """Yields how far the torque may be from the model, or why nobody can say."""
-        fit, band = self.fit, band_of(self.fit)
-        if band:
-            half = band["half_width"]
-            kinds = "" if isinstance(self.result, Selection) else " (--method auto compares kinds)"
-            yield (
-                f"band: along these curves the torque is within {half:.2g} N·m of the model "
-                f"({half / fit.curves.peak:.1%} of the peak), at {band['level']:.0%}, if its kind "
-                f"is right{kinds}"
-            )
-        elif fit.verdict == NOT_BEYOND:
-            yield (
-                "band: none, because nothing tests the model beyond these curves; measure also the "
-                "record of activesuit design"
-            )
+    def _verdict(self) -> str:
+        """Returns the verdict, and what the curves lack where no motion is intended."""
+        fit = self.fit
+        if self.use or fit.verdict != NOT_BEYOND or fit.coverage is None:
+            return sentence("verdict", verdict=fit.verdict)
+        found, rates = fit.coverage, sentence("rates none")
+        if found.rates:
+            rates = sentence("rates", slowest=found.rates[0], fastest=found.rates[1])
+        values = {"nesting": found.nesting, "shortest": found.branches[0], "rates": rates}
+        return sentence("verdict beyond", verdict=fit.verdict, **values)
 
     def _open_offset(self) -> Iterator[str]:
         """Yields that the curves do not determine the sensor's offset, where none is given."""
@@ -431,30 +405,4 @@ class Identification:
             return
         kinds = (self.uncertainty or self.result.uncertainty()).offset_open
         if kinds:
-            yield (
-                "these curves do not determine the offset of the torque sensor (any, by "
-                f"{', '.join(kinds)}): if the sensor was not zeroed, its offset is in the model; "
-                f"zero the sensor, or give its offset ({TARE})"
-            )
-
-    def _deviation(self) -> str:
-        """Returns how sure a tare is, where that is known."""
-        if self.uncertainty is None or self.uncertainty.offset is None:
-            return ""
-        low, high = self.uncertainty.offset.interval(self.fit.tare)
-        return f" ({low:.3g} to {high:.3g})"
-
-    def _not_contained(self) -> str:
-        """Returns what curves do not contain whose model is not valid beyond them, as a phrase."""
-        fit = self.fit
-        if self.use or fit.verdict != NOT_BEYOND or fit.coverage is None:
-            return ""
-        found = fit.coverage
-        rates = "no times"
-        if found.rates:
-            rates = f"no rates but {found.rates[0]:.2g} to {found.rates[1]:.2g} rad/s"
-        return (
-            f": they have no loops inside loops (reversals nested {found.nesting} deep), no branch "
-            f"below {found.branches[0]:.0%} of the range, {rates}; and no intended motion is named "
-            "(--for)"
-        )
+            yield sentence("offset open", kinds=", ".join(kinds))

@@ -18,7 +18,8 @@ from ...files import write_text
 from ...identification import Curve, Fit, fit_curves, multi_order_motion
 from ...identification.fits.objective import InitialTorque
 from ...identification.fits.search import NOISE_MARGIN
-from ...identification.judging.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN, UNLIKELY
+from ...identification.judging.judgement import UNLIKELY
+from ...identification.judging.sentences import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
 from ...json_files import read_json
 from ...scripts.backends import run_all
 from ...scripts.folders import to_json

@@ -33,18 +33,12 @@ class Softening(NamedTuple):
     """How the torque changes over cycles, relative to that at the end of the curves.
 
     After n cycles it is steady + (first - steady) exp(-n / cycles) times that of the model.
-
-    Attributes:
-        first: Torque of the first cycle.
-        steady: Torque after many cycles.
-        cycles: Number of cycles in which the difference falls to 1/e.
-        measured: Number of cycles of the curves.
     """
 
-    first: float
-    steady: float
-    cycles: float
-    measured: float
+    first: float  # torque of the first cycle
+    steady: float  # torque after many cycles
+    cycles: float  # number of cycles in which the difference falls to 1/e
+    measured: float  # number of cycles of the curves
 
     def factor(self, cycles: Array) -> Array:
         """Returns the torque after some cycles over that of the model."""
@@ -57,11 +51,7 @@ class Softening(NamedTuple):
 
 
 class Count:
-    """Cycles over the range of all curves that a joint has gone through, in their order.
-
-    Args:
-        curves: All curves, in the order of measurement.
-    """
+    """Cycles over the range of all curves that a joint has gone through, in their order."""
 
     def __init__(self, curves: Curves) -> None:
         low, high = curves.angle_range
@@ -94,11 +84,6 @@ def found_softening(
     Pereyra 1973). Its number of cycles is refined from the best one of a grid. A change that lowers
     the error by less than the cost of its two parameters (the Bayesian information criterion) does
     not count.
-
-    Args:
-        curves: Curves to fit.
-        count: Cycles of all curves.
-        fit: Fit of a model to curves.
     """
     if count.total < NEARLY * FEWEST:
         raise InputError(

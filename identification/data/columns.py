@@ -40,16 +40,10 @@ class Column(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """Columns and units as a caller names them.
+    """Columns and units as a caller names them; the usual names and the header say the rest."""
 
-    Attributes:
-        columns: Name in the header, or number of the column from 1 on, by what it is: one of
-            `COLUMNS`. What is not named is found by the usual names.
-        units: Unit by "angle", "torque" and "time", where the header does not name it or is wrong.
-    """
-
-    columns: Mapping[str, str]
-    units: Mapping[str, str]
+    columns: Mapping[str, str]  # name in the header, or number from 1 on, by one of `COLUMNS`
+    units: Mapping[str, str]  # by "angle", "torque" and "time"
 
     def check(self) -> None:
         """Checks names and units."""

@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Array
 from ...checks import number
 from ...errors import InputError
-from ...hysteresis.loops import Branch, branches
+from ...hysteresis.loops import branches
 from ...table_files import RADIANS_AT_MOST, time_goes_wrong
 
 Role = Literal["fit", "predict"]
@@ -145,11 +145,11 @@ class Curves(list[Curve]):
 
     def fitted(self) -> "Curves":
         """Returns the curves with role "fit"."""
-        return self._with_role("fit")
+        return self.of((one for one in self if one.role == "fit"), self.lines)
 
     def held_out(self) -> "Curves":
         """Returns the curves with role "predict", which test a model."""
-        return self._with_role("predict")
+        return self.of((one for one in self if one.role == "predict"), self.lines)
 
     @property
     def peak(self) -> float:
@@ -191,10 +191,6 @@ class Curves(list[Curve]):
             raise InputError("there is no curve: give at least one")
         return self[0]
 
-    def _with_role(self, role: Role) -> "Curves":
-        chosen = (curve for curve in self if curve.role == role)
-        return self.of(chosen, self.lines)
-
     def of(self, curves: Iterable[Curve], lines: Mapping[str, Lines] | None = None) -> "Curves":
         """Returns curves made from these, as of the same files; their samples have other lines."""
         return Curves(
@@ -222,19 +218,12 @@ def turns_back(curve: Curve) -> bool:
 
 
 class LoopWork(NamedTuple):
-    """Work of the closed parts of some curves.
+    """Work of the closed parts of some curves, with deviations due to the noise of the torque."""
 
-    Attributes:
-        work: Sum over all pairs of branches of the work in the range that both share [J].
-        deviation: Standard deviation of the work due to the noise of the torque [J].
-        rise: Sum over all branches of change of torque times change of angle [J].
-        rise_deviation: Standard deviation of the rise due to that noise [J].
-    """
-
-    work: float
-    deviation: float
-    rise: float
-    rise_deviation: float
+    work: float  # sum over all pairs of branches of the work in the range that both share [J]
+    deviation: float  # standard deviation of the work [J]
+    rise: float  # sum over all branches of change of torque times change of angle [J]
+    rise_deviation: float  # standard deviation of the rise [J]
 
     @property
     def z(self) -> float:
@@ -259,17 +248,19 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
         if curve.angle.size < 3:
             continue
         pieces = branches(curve.angle, curve.torque)
-        rise += sum(float(np.ptp(one.angle[[0, -1]]) * _gain(one)) for one in pieces)
-        ways += sum(2 * float(np.ptp(one.angle[[0, -1]])) ** 2 for one in pieces)
+        for one in pieces:
+            way = float(np.ptp(one.angle[[0, -1]]))
+            rise += way * one.direction * float(one.torque[-1] - one.torque[0])
+            ways += 2 * way**2
         for one, other in pairwise(pieces):
             low = max(one.angle.min(), other.angle.min())
             high = min(one.angle.max(), other.angle.max())
             if high <= low:
                 continue
             for piece in (one, other):
-                angle, torque = _rising(piece)
-                grid = np.unique(np.clip(angle, low, high))
-                there = np.interp(grid, angle, torque)
+                order = np.argsort(piece.angle, kind="stable")
+                grid = np.unique(np.clip(piece.angle, low, high))
+                there = np.interp(grid, piece.angle[order], piece.torque[order])
                 work += piece.direction * float(np.trapezoid(there, grid))
                 variance += float(np.sum(np.gradient(grid) ** 2)) if grid.size > 1 else 0.0
     rounding = ROUNDING * Curves(curves).peak
@@ -294,12 +285,3 @@ def refuse_driven(curves: Sequence[Curve]) -> None:
                 "deviations), and the torque falls where the angle rises: it must be positive "
                 "against positive motion, so change its sign"
             )
-
-
-def _gain(piece: Branch) -> float:
-    return piece.direction * float(piece.torque[-1] - piece.torque[0])
-
-
-def _rising(piece: Branch) -> tuple[Array, Array]:
-    order = np.argsort(piece.angle, kind="stable")
-    return piece.angle[order], piece.torque[order]

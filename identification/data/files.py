@@ -54,10 +54,6 @@ def load_curves(
 
     Returns:
         The curves, with the names of the files and a hash of their contents.
-
-    Raises:
-        InputError: A file is missing or contains anything but usable curves; the message names the
-            line.
     """
     if not paths:
         raise InputError("there is no file of curves: give at least one")
@@ -184,11 +180,7 @@ def save_curves(
     """Writes curves so that `load_curves` reads them back.
 
     Angles are kept to 1e-6 rad and torques to 1e-6 N·m, or to 9 digits where all are below 1 N·m.
-
     There is a column `time_s` if any of them has its time.
-
-    Raises:
-        InputError: Two curves share a name, or the file cannot be written.
     """
     names = [curve.name for curve in curves]
     for name in names:
@@ -227,10 +219,6 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
             of the joint [rad], as the motions of tasks have; and with `time_s` (or `time`), which
             may be missing.
         joint: Name of the joint; None if the file has one joint only.
-
-    Raises:
-        InputError: The file is missing, has none of these columns, or contains anything but a
-            motion; the message names the line.
     """
     path = Path(path)
     known = {*ANGLES, *TIMES, *([joint] if joint else [])}
@@ -265,16 +253,11 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
 
 def save_motion(path: str | os.PathLike[str], motion: Motion) -> None:
     """Writes a motion so that `load_motion` reads it back (to 1e-9 rad)."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    if motion.time is None:
-        writer.writerow(["angle_rad"])
-        writer.writerows([f"{angle:.9f}"] for angle in motion.angle)
-    else:
-        writer.writerow(MOTION_HEADER.split(","))
-        for time, angle in zip(motion.time, motion.angle, strict=True):
-            writer.writerow([f"{time:.12g}", f"{angle:.9f}"])
-    write_text(path, text.getvalue())
+    lines = [f"{angle:.9f}" for angle in motion.angle]
+    if motion.time is not None:
+        lines = [f"{time:.12g},{line}" for time, line in zip(motion.time, lines, strict=True)]
+    header = MOTION_HEADER if motion.time is not None else "angle_rad"
+    write_text(path, "\n".join([header, *lines, ""]))
 
 
 def _one_of(header: list[str], names: list[str] | tuple[str, ...], path: Path) -> str:

@@ -27,19 +27,12 @@ LEAST_TRAVEL = 0.1  # least share of the range between two reversals of a random
 
 
 class Design(NamedTuple):
-    """A record to measure.
+    """A record to measure."""
 
-    Attributes:
-        time: Time of each sample [s], shape (n,), from 0.
-        angle: Angle of the joint [rad], shape (n,).
-        points: First angle, reversals and last angle [rad].
-        rates: Rate of each branch between them [rad/s].
-    """
-
-    time: Array
-    angle: Array
-    points: tuple[float, ...]
-    rates: tuple[float, ...]
+    time: Array  # of each sample [s], (n,), from 0
+    angle: Array  # of the joint [rad], (n,)
+    points: tuple[float, ...]  # first angle, reversals and last angle [rad]
+    rates: tuple[float, ...]  # of each branch between the points [rad/s]
 
     @property
     def duration(self) -> float:
@@ -156,8 +149,6 @@ def measure(
         One curve per motion, in their order.
 
     Raises:
-        InputError: There is no motion or no such name, a number is out of its range, or what is
-            measured is no usable curve.
         PoleError: A motion meets the pole of an uncertified model.
     """
     if not motions:

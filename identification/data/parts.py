@@ -13,6 +13,7 @@ from ...hysteresis.loops import estimate_dead_band, reversals
 from .curves import Curve, Curves
 
 FITTED = 50_000  # approximate number of samples of all curves of a fit together
+JUDGED = 5_000  # the same of a verdict: more take long and add little
 DRAWN = 4_000  # approximate number of points of all curves of a panel together
 LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
 LEAST_TURNS = 3  # fewer in the last two thirds of a record ask nothing
@@ -30,20 +31,8 @@ def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:
     if every == 1:
         return Curves(curves)
     family = Curves(curves)
-    short = (_picked(curve, kept_samples(curve.angle, every)) for curve in family)
+    short = (picked(curve, kept_samples(curve.angle, every)) for curve in family)
     return family.of(short)
-
-
-def thinning_note(curves: Sequence[Curve], most: int = FITTED) -> str:
-    """Returns what `thinned` does to these curves, as a sentence; empty if it does nothing."""
-    every = _step(curves, most)
-    if every == 1:
-        return ""
-    used = _samples(thinned(curves, most))
-    return (
-        f"{used:,} of {_samples(curves):,} samples are used: one in {every} of each curve, its "
-        "ends and its turning points"
-    )
 
 
 def drawn_samples(curves: Sequence[Curve], most: int = DRAWN) -> list[NDArray[np.intp]]:
@@ -76,7 +65,8 @@ def kept_samples(angle: Array, every: int) -> NDArray[np.intp]:
     return np.union1d(regular, turns)
 
 
-def _picked(curve: Curve, indices: NDArray[np.intp]) -> Curve:
+def picked(curve: Curve, indices: NDArray[np.intp] | slice) -> Curve:
+    """Returns a curve of some samples of another."""
     time = None if curve.time is None else curve.time[indices]
     return replace(curve, angle=curve.angle[indices], torque=curve.torque[indices], time=time)
 
@@ -90,17 +80,11 @@ def _samples(curves: Sequence[Curve]) -> int:
 
 
 class Question(NamedTuple):
-    """A part of the curves that a fit to the others has to predict.
+    """A part of the curves that a fit to the others has to predict."""
 
-    Attributes:
-        known: Curves to fit.
-        curve: Curve along which the model runs, from its beginning.
-        asked: Samples of it on which the prediction is judged.
-    """
-
-    known: list[Curve]
-    curve: Curve
-    asked: slice
+    known: list[Curve]  # to fit
+    curve: Curve  # along which the model runs, from its beginning
+    asked: slice  # samples of the curve on which the prediction is judged
 
     @property
     def beyond(self) -> bool:
@@ -150,7 +134,7 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
     chosen = [origins[i] for i in spread.tolist()]
     ends = [*chosen[1:], record.angle.size - 1]
     return [
-        Question([_until(record, begin)], record, slice(begin + 1, end + 1))
+        Question([picked(record, slice(begin + 1))], record, slice(begin + 1, end + 1))
         for begin, end in zip(chosen, ends, strict=True)
         if end > begin
     ]
@@ -159,10 +143,3 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
 def _covers(known: Array, asked: Array) -> bool:
     more = BEYOND * float(np.ptp(known))
     return bool(asked.min() >= known.min() - more and asked.max() <= known.max() + more)
-
-
-def _until(record: Curve, last: int) -> Curve:
-    """Returns the beginning of a record, up to a sample."""
-    here = slice(last + 1)
-    time = None if record.time is None else record.time[here]
-    return replace(record, angle=record.angle[here], torque=record.torque[here], time=time)

@@ -1,7 +1,7 @@
 """Faults of a measurement that explain the residual of a fit: their tests, fits and choice.
 
-Each of `residual.faults` is first one column beside the derivatives of a fit (see
-`residual.misfit`). Those that the F test finds are then fitted beside the model, alone or in pairs,
+Each of `judging.faults` is first one column beside the derivatives of a fit (see
+`judging.misfit`). Those that the F test finds are then fitted beside the model, alone or in pairs,
 and are causes only if nothing but noise remains: a wrong model is no fault of the measurement, and
 no fault makes it right.
 """
@@ -15,14 +15,13 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.protocol import HysteresisModel
-from ..data.curves import Curve, Curves
-from ..fits.objective import InitialTorque, predicted
+from ..data.curves import Curves
+from ..fits.objective import predicted
 from ..fits.tangent import Coordinates
-from .faults import Fault, Hypothesis, fault_remark, hypotheses
+from .faults import Fault, Hypothesis, hypotheses
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
-from .remarks import Remark
+from .sentences import Remark
 
 RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
 ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
@@ -57,40 +56,29 @@ class Cause:
     explained: Explained
     left: float
 
-    def to_dict(self) -> dict[str, object]:
-        """Returns curve, size and probability as plain values."""
-        probability = self.explained.probability
-        return {"curve": self.curve, "size": self.size, "probability": probability}
-
     @property
     def remark(self) -> Remark:
-        """The fault in words, and its remedy."""
-        return fault_remark(self.name, self.size, self.curve)
+        """The fault and its remedy."""
+        size, percent = self.size, 100 * self.size
+        values = {"size": size, "curve": self.curve, "degrees": math.degrees(size)}
+        values |= {"length": abs(size), "when": "after" if size > 0 else "before"}
+        values |= {"percent": percent, "change": abs(percent)}
+        return Remark(self.name, values | {"more": "larger" if size > 0 else "smaller"})
 
 
 class Residual(NamedTuple):
     """The residual of a fit, and what it is tested against.
 
     Residual, slopes and smooth columns are divided by the relative deviation of the noise.
-
-    Attributes:
-        coordinates: Fitted model and initial torque.
-        curves: Fitted curves, in the order of measurement.
-        values: Measured less fitted torque [N·m], shape (samples,).
-        slopes: Derivatives of the torque with respect to the fitted parameters, shape
-            (samples, p).
-        smooth: Columns that may explain what remains, shape (samples, q).
-        scale: Relative deviation of the noise of each sample, shape (samples,).
-        known: Noise known from repeated curves; None estimates it.
     """
 
-    coordinates: Coordinates
-    curves: Curves
-    values: Array
-    slopes: Array
-    smooth: Array
-    scale: Array
-    known: Noise | None
+    coordinates: Coordinates  # of model and initial torque
+    curves: Curves  # in the order of measurement
+    values: Array  # measured less fitted torque [N·m], (samples,)
+    slopes: Array  # of the torque by the fitted parameters, (samples, p)
+    smooth: Array  # columns that may explain what remains, (samples, q)
+    scale: Array  # relative deviation of the noise of each sample, (samples,)
+    known: Noise | None  # from repeated curves; None: to be estimated
 
     @property
     def sizes(self) -> list[int]:
@@ -108,26 +96,17 @@ class Linear(NamedTuple):
 
 
 class Beside(NamedTuple):
-    """A model and faults that are fitted together.
+    """A model and faults that are fitted together."""
 
-    Attributes:
-        residual: What remains [N·m], shape (samples,).
-        slopes: Derivatives of the torque with respect to the model's coordinates and to the sizes
-            of the faults, shape (samples, p + faults).
-        sizes: Size of each fault.
-        added: Torque that each fault adds [N·m], shape (samples, faults).
-    """
-
-    residual: Array
-    slopes: Array
-    sizes: Array
-    added: Array
+    residual: Array  # what remains [N·m], (samples,)
+    slopes: Array  # of the torque by coordinates and sizes, (samples, p + faults)
+    sizes: Array  # of the faults
+    added: Array  # torque of each fault [N·m], (samples, faults)
 
 
 def causes(rest: Residual) -> list[Cause]:
     """Returns the fault, or the two, that explain a residual down to the noise."""
-    model, start = rest.coordinates.at(rest.coordinates.point)
-    columns = [(one, column / rest.scale) for one, column in _columns(model, start, rest.curves)]
+    columns = [*_columns(rest)]
     nothing = Beside(rest.values, rest.slopes, np.empty(0), np.empty((rest.values.size, 0)))
     alone = _likely(rest, columns, nothing, below=SCREENED)
     pairs = []
@@ -186,18 +165,17 @@ def _criterion(faults: Sequence[Linear], fit: Beside) -> float:
     return samples * math.log(float(fit.residual @ fit.residual)) + numbers * math.log(samples)
 
 
-def _columns(
-    model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]
-) -> Iterator[tuple[Hypothesis, Array]]:
+def _columns(rest: Residual) -> Iterator[tuple[Hypothesis, Array]]:
     """Yields all faults that the curves can show, each with its column."""
-    for hypothesis in hypotheses(model, curves):
+    model, start = rest.coordinates.at(rest.coordinates.point)
+    for one in hypotheses(model, rest.curves):
         try:
-            here = hypothesis.torque(model, start, 0.0)
-            column = (hypothesis.torque(model, start, hypothesis.step) - here) / hypothesis.step
+            here = one.torque(model, start, 0.0)
+            column = (one.torque(model, start, one.step) - here) / one.step
         except InputError:
             continue  # the model cannot begin with that torque at another angle
         if np.isfinite(column).all():  # else the model meets its pole a little beyond the curves
-            yield hypothesis, column
+            yield one, column / rest.scale
 
 
 def _likely(
@@ -218,7 +196,10 @@ def _likely(
         if np.linalg.norm(alone) <= NEGLIGIBLE * np.linalg.norm(column):
             continue
         test = _surest(rest, residual, slopes, column)
-        size = _coefficient(residual, slopes, column, rest.sizes, test.noise)
+        memory, white = GRID[int(np.argmax(test.noise.weight))]
+        both = np.column_stack([slopes, column, residual])
+        both, _ = whiten(both, rest.sizes, memory, white)
+        size = float(np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=None)[0][-1])
         if test.probability >= below or (hypothesis.name in NEVER_BELOW_ZERO and size < 0):
             continue
         best = found.get(hypothesis.name)
@@ -256,18 +237,6 @@ def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
     count = coordinates.point.size
     far = 10 * np.abs(measured).max()
 
-    def residual(at: Array) -> Array:
-        try:
-            return ahead(at)
-        except (InputError, OverflowError):
-            return np.full(measured.size, far)
-
-    def ahead(at: Array) -> Array:
-        plain, added = parts(at)
-        with np.errstate(over="ignore", invalid="ignore"):
-            left = (measured - plain) / scale - added.sum(axis=1)
-        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
-
     def parts(at: Array) -> tuple[Array, Array]:
         model, start = coordinates.at(at[:count])
         pairs = zip(faults, at[count:].tolist(), strict=True)
@@ -275,6 +244,15 @@ def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
             plain = np.concatenate([predicted(model, start, curve) for curve in curves])
             added = [one.hypothesis.torque(model, start, size) - plain for one, size in pairs]
             return plain, np.column_stack(added) / scale[:, None]
+
+    def residual(at: Array) -> Array:
+        try:
+            plain, added = parts(at)
+        except (InputError, OverflowError):
+            return np.full(measured.size, far)
+        with np.errstate(over="ignore", invalid="ignore"):
+            left = (measured - plain) / scale - added.sum(axis=1)
+        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
 
     begin = np.concatenate([coordinates.point, [one.size for one in faults]])
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
@@ -284,15 +262,5 @@ def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
         _, added = parts(found.x)
     except (InputError, OverflowError):
         return None  # it ended where there is no such model
-    if not np.isfinite(added).all():
-        return None  # it ended at a pole
-    return Beside(found.fun, -found.jac, found.x[count:], added)
-
-
-def _coefficient(
-    residual: Array, slopes: Array, column: Array, sizes: Sequence[int], noise: Noise
-) -> float:
-    """Returns the coefficient of a column beside the slopes, under the likeliest noise."""
-    memory, white = GRID[int(np.argmax(noise.weight))]
-    both, _ = whiten(np.column_stack([slopes, column, residual]), sizes, memory, white)
-    return float(np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=None)[0][-1])
+    finite = np.isfinite(added).all()  # else it ended at a pole
+    return Beside(found.fun, -found.jac, found.x[count:], added) if finite else None

@@ -1,13 +1,13 @@
 """Comparison of measured curves with an intended motion: range, reversals, rates and cycles.
 
 A fit is tested by its curves only. Whether it is valid for another motion depends on how that
-motion differs from them, which this module expresses in numbers and sentences.
+motion differs from them, which this module expresses in numbers.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ...hysteresis.protocol import finite_series
 from ..data.curves import Curve
 from ..data.files import Motion
 from ..data.motions import BRANCHES
+from .sentences import Remark, sentence
 
 SMALLEST = 0.02  # assumed share of a motion's range: smaller swings do not count
 DEEP = BRANCHES  # reversals within each other, as in `nested_motion`: more are not required
@@ -27,7 +28,6 @@ WHOLE = 0.9  # share of a motion's range: a branch of that length is half a cycl
 BEYOND = 0.01  # tolerated excursion of a motion beyond the range of the curves, over that range
 NEAR = 2.0  # assumed ratio to a measured rate or depth, up to which both are alike
 PARTS = 10  # number of parts of a branch; the fastest part gives its rate
-DESIGNED = "the record that `nested_motion` (activesuit design) gives"
 NESTED = 2  # reversals within each other, from which on a curve tests nested loops
 
 
@@ -64,10 +64,6 @@ class Coverage:
         """Largest less smallest angle [rad]."""
         return self.range[1] - self.range[0]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Returns all fields as plain values."""
-        return asdict(self)
-
 
 def coverage(curves: Sequence[Curve]) -> Coverage:
     """Returns the coverage of measured curves."""
@@ -75,11 +71,7 @@ def coverage(curves: Sequence[Curve]) -> Coverage:
 
 
 def motion_coverage(motions: Iterable[Motion]) -> Coverage:
-    """Returns the coverage of motions of one joint.
-
-    Args:
-        motions: Times, if they are known, and angles of each.
-    """
+    """Returns the coverage of motions of one joint."""
     given = [(time, finite_series("angle", angle, "rad")) for time, angle in motions]
     if not given:
         raise InputError("there is no motion: give at least one")
@@ -87,7 +79,7 @@ def motion_coverage(motions: Iterable[Motion]) -> Coverage:
     high = max(float(angle.max()) for _, angle in given)
     if low == high:
         raise InputError(f"the motion stays at {low:g} rad: give one that moves")
-    found = [_Branches.of(time, angle) for time, angle in given if np.ptp(angle) > 0]
+    found = [_branches(time, angle) for time, angle in given if np.ptp(angle) > 0]
     ways = np.concatenate([one.ways for one in found]) / (high - low)
     rates = [rate for one in found for rate in one.rates]
     return Coverage(
@@ -112,28 +104,42 @@ def any_motion(measured: Coverage) -> Coverage:
     )
 
 
-def shortfalls(measured: Coverage, needed: Coverage) -> list[str]:
-    """Returns a sentence for each need of a motion that the curves do not cover.
-
-    Args:
-        measured: Coverage of the curves.
-        needed: Coverage of the intended motion.
-    """
-    found = (_range, _nesting, _branches, _rates, _cycles)
-    return [sentence for one in found if (sentence := one(measured, needed))]
-
-
-def loops_suffice(measured: Coverage, needed: Coverage) -> bool:
-    """Returns whether curves fall short of a motion at most in loops, not in range or rates."""
-    return not any(one(measured, needed) for one in (_range, _rates, _cycles))
+def shortfalls(measured: Coverage, needed: Coverage) -> list[Remark]:
+    """Returns a remark for each need of an intended motion that measured curves do not cover."""
+    (least, most), (low, high) = measured.range, needed.range
+    found, allowed, ends = [], BEYOND * measured.span, []
+    if low < least - allowed:
+        ends.append(sentence("range below", angle=least))
+    if high > most + allowed:
+        ends.append(sentence("range above", angle=most))
+    if ends:
+        values = {"low": low, "high": high, "least": least, "most": most}
+        found.append(Remark("coverage range", values | {"ends": " and ".join(ends)}))
+    if measured.nesting < min(needed.nesting, DEEP):
+        why = sentence(f"nesting {min(measured.nesting, 2)}")
+        values = {"deep": needed.nesting, "nesting": measured.nesting, "why": why}
+        found.append(Remark("coverage nesting", values))
+    shortest = measured.branches[0] * measured.span
+    branch = needed.branches[0] * needed.span
+    if NEAR * max(branch, FINE * measured.span) < shortest:
+        found.append(Remark("coverage branches", {"needed": branch, "shortest": shortest}))
+    if needed.rates and not measured.rates:
+        found.append(Remark("coverage times", {"rate": needed.rates[1]}))
+    elif needed.rates and measured.rates and needed.rates[1] > NEAR * measured.rates[1]:
+        slowest, fastest = measured.rates
+        values = {"rate": needed.rates[1], "slowest": slowest, "fastest": fastest}
+        found.append(Remark("coverage rates", values | {"asked": needed.rates[1] / NEAR}))
+    if needed.cycles > 1 and measured.cycles < min(needed.cycles, ENOUGH_CYCLES):
+        values = {"needed": needed.cycles, "cycles": measured.cycles, "enough": ENOUGH_CYCLES}
+        found.append(Remark("coverage cycles", values))
+    return found
 
 
 def nesting_of(points: Sequence[float], tolerance: float = 0.0) -> int:
     """Returns the most reversals that a motion remembers at once, see `Coverage`.
 
-    Args:
-        points: First angle, reversals and last angle of the motion [rad].
-        tolerance: Distance within which an angle counts as reached [rad].
+    The points are first angle, reversals and last angle [rad]; an angle within the tolerance [rad]
+    counts as reached.
     """
     remembered: list[float] = []
     deepest = 0
@@ -158,21 +164,18 @@ class _Branches(NamedTuple):
     nesting: int
     cycles: int
 
-    @classmethod
-    def of(cls, time: Array | None, angle: Array) -> "_Branches":
-        span = float(np.ptp(angle))
-        dead_band = max(estimate_dead_band(angle), SMALLEST * span)
-        ends = _ends(angle, reversals(angle, dead_band).tolist())
-        points = angle[ends]
-        ways = np.abs(np.diff(points))
-        rates = []
-        if time is not None:
-            rates = [
-                _rate(angle[start : stop + 1], time[start : stop + 1], dead_band)
-                for start, stop in pairwise(ends)
-            ]
-        whole = int(np.count_nonzero(ways >= WHOLE * span))
-        return cls(ways, rates, nesting_of(points.tolist(), SMALLEST * span), whole // 2)
+
+def _branches(time: Array | None, angle: Array) -> _Branches:
+    span = float(np.ptp(angle))
+    dead_band = max(estimate_dead_band(angle), SMALLEST * span)
+    ends = _ends(angle, reversals(angle, dead_band).tolist())
+    ways, rates = np.abs(np.diff(angle[ends])), []
+    if time is not None:
+        for start, stop in pairwise(ends):
+            here = slice(start, stop + 1)
+            rates.append(_rate(angle[here], time[here], dead_band))
+    whole = int(np.count_nonzero(ways >= WHOLE * span))
+    return _Branches(ways, rates, nesting_of(angle[ends].tolist(), SMALLEST * span), whole // 2)
 
 
 def _ends(angle: Array, turns: list[int]) -> list[int]:
@@ -196,74 +199,3 @@ def _rate(angle: Array, time: Array, dead_band: float) -> float:
     levels = np.linspace(0, way[-1], parts + 1)
     took = np.diff(np.interp(levels, np.maximum.accumulate(way), time))
     return float(levels[1] / took.min())
-
-
-def _range(measured: Coverage, needed: Coverage) -> str:
-    (low, high), allowed = measured.range, BEYOND * measured.span
-    ends = []
-    if needed.range[0] < low - allowed:
-        ends.append(f"below {low:.3g} rad")
-    if needed.range[1] > high + allowed:
-        ends.append(f"above {high:.3g} rad")
-    if not ends:
-        return ""
-    return (
-        f"the intended motion goes from {needed.range[0]:.3g} to {needed.range[1]:.3g} rad, the "
-        f"curves from {low:.3g} to {high:.3g} rad: {' and '.join(ends)} the torque is a guess; "
-        "measure the joint there too"
-    )
-
-
-def _nesting(measured: Coverage, needed: Coverage) -> str:
-    if measured.nesting >= min(needed.nesting, DEEP):
-        return ""
-    why = "models that agree with them may differ in the loops inside these"
-    if measured.nesting == 0:
-        why = "curves that never turn back do not identify loops"
-    elif measured.nesting == 1:
-        why = "first-order curves do not identify nested loops"
-    return (
-        f"the intended motion has reversals nested {needed.nesting} deep, the curves at most "
-        f"{measured.nesting}: {why}; measure {DESIGNED}"
-    )
-
-
-def _branches(measured: Coverage, needed: Coverage) -> str:
-    shortest = measured.branches[0] * measured.span
-    wanted = max(needed.branches[0] * needed.span, FINE * measured.span)
-    if NEAR * wanted >= shortest:
-        return ""
-    return (
-        f"the intended motion turns back after {needed.branches[0] * needed.span:.2g} rad, the "
-        f"curves after {shortest:.2g} rad at the least: how small loops differ from large ones is "
-        f"a guess; measure {DESIGNED}"
-    )
-
-
-def _rates(measured: Coverage, needed: Coverage) -> str:
-    if needed.rates is None:
-        return ""
-    moves = f"the intended motion moves at up to {needed.rates[1]:.2g} rad/s"
-    if measured.rates is None:
-        return (
-            f"{moves}, and the curves come without their time: whether the torque depends on the "
-            "rate is unknown; add the column time_s to them"
-        )
-    slowest, fastest = measured.rates
-    if needed.rates[1] <= NEAR * fastest:
-        return ""
-    return (
-        f"{moves}, the curves at {slowest:.2g} to {fastest:.2g} rad/s: whether the torque depends "
-        f"on the rate is unknown beyond; measure up to {needed.rates[1] / NEAR:.2g} rad/s, or as "
-        "fast as the rig can"
-    )
-
-
-def _cycles(measured: Coverage, needed: Coverage) -> str:
-    if needed.cycles < 2 or measured.cycles >= min(needed.cycles, ENOUGH_CYCLES):
-        return ""
-    return (
-        f"the intended motion goes through {needed.cycles} whole cycles, a curve through at most "
-        f"{measured.cycles}: whether the torque softens from cycle to cycle is unknown; measure "
-        f"{ENOUGH_CYCLES} cycles without a pause"
-    )

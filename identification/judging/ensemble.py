@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 
 from ...arrays import Array
 from ...checks import at_least, check_seed, number
@@ -24,6 +25,7 @@ from ..fits.objective import InitialTorque, predicted, torque_errors
 from ..fits.registry import fit_model
 from .coverage import NESTED, motion_coverage
 from .noise import GRID, Noise
+from .sentences import Remark
 from .uncertainty import Uncertainty, uncertainty
 
 NEARLY = 1.3  # largest left-out error of a member, relative to the least one
@@ -35,27 +37,16 @@ NARROW = 0.05  # half width over the peak; a larger error needs repeats in a ver
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One model that `select` tried.
-
-    Attributes:
-        name: Name of the model.
-        model: Model that is fitted to all curves; None where that failed.
-        initial_torque: Torque with which the curves begin [N·m].
-        parameters: Number of parameters that the fit chooses.
-        prediction_nrmse: NRMSE over what was left out of the fit; infinite where it failed.
-        prediction_errors: Errors of these predictions [N·m], of all left-out samples end to end,
-            alike for all candidates; empty where it failed.
-        fit_nrmse: NRMSE on the fitted curves; infinite where it failed.
-        reason: Why it failed, as a sentence; empty if it did not.
-    """
+    """One model that `select` tried; where it failed, errors are infinite and there is no model."""
 
     name: str
-    model: HysteresisModel | None = None
-    initial_torque: InitialTorque = 0.0
-    parameters: int = 0
-    prediction_nrmse: float = float("inf")
-    fit_nrmse: float = float("inf")
-    reason: str = ""
+    model: HysteresisModel | None = None  # fitted to all curves
+    initial_torque: InitialTorque = 0.0  # with which the curves begin [N·m]
+    parameters: int = 0  # number that the fit chooses
+    prediction_nrmse: float = float("inf")  # over what was left out of the fit
+    fit_nrmse: float = float("inf")  # on the fitted curves
+    reason: str = ""  # why it failed, as a sentence
+    # Errors of the predictions [N·m], of all left-out samples end to end, alike for all candidates.
     prediction_errors: Array = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
 
 
@@ -133,7 +124,7 @@ class Ensemble:
         variance = weight @ (torque - mean) ** 2
         if len(weight) > 1:
             variance = variance * len(weight) / (len(weight) - 1)
-        half = _quantile((1 + level) / 2) * np.sqrt(variance + self.excess**2)
+        half = ndtri((1 + level) / 2) * np.sqrt(variance + self.excess**2)
         return mean - half, mean + half
 
     def measured_band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
@@ -141,7 +132,7 @@ class Ensemble:
         low, high = self.band(curve, level)
         middle = (low + high) / 2
         noise = self.noise.deviation * self.noise.uneven.at(middle)
-        half = np.hypot((high - low) / 2, _quantile((1 + level) / 2) * noise)
+        half = np.hypot((high - low) / 2, ndtri((1 + level) / 2) * noise)
         return middle - half, middle + half
 
     def to_dict(self) -> dict[str, Any]:
@@ -179,8 +170,8 @@ def ensemble(
     all other curves and predicts these, which counts beside its other left-out errors.
 
     Args:
-        candidates: Models that were tried; those that could not be fitted are left out.
-        curves: Curves that they were fitted to.
+        candidates: Models that were fitted to the curves; those that failed are left out.
+        curves: These curves.
         noise: Noise of the torque.
         seed: Seed of all random numbers.
         options: Options of the candidates' fits, by model.
@@ -207,7 +198,7 @@ def ensemble(
         nested, beyond = [], {one.name: np.empty(0) for one in tried}
     left_out = {one.name: one.prediction_errors for one in tried}
     errors_of = {name: np.concatenate([left_out[name], more]) for name, more in beyond.items()}
-    score = {name: _rms(errors) for name, errors in errors_of.items()}
+    score = {name: math.sqrt(np.mean(errors**2)) for name, errors in errors_of.items()}
     best = min(score, key=lambda name: score[name])
     kept = [one for one in tried if score.get(one.name, math.inf) <= NEARLY * score[best]]
     kept.sort(key=lambda one: score[one.name])
@@ -237,7 +228,7 @@ def ensemble(
 
 def drawn(
     found: Ensemble,
-    curves: Sequence[Curve],
+    measured: Curves,
     initial_torque: InitialTorque,
     samples: int,
     seed: int,
@@ -250,17 +241,20 @@ def drawn(
 
     Args:
         found: Ensemble.
-        curves: Curves that it was fitted to; those with role "fit" are used.
+        measured: Curves that it was fitted to.
         initial_torque: Torque with which the joint begins [N·m]; or "measured".
         samples: Number of models.
         seed: Seed of all that is drawn.
     """
     at_least("samples", samples, 0)
     check_seed(seed)
-    measured = Curves(curves).fitted()
     start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
     can_begin = [one for one in found.members if begins_safely(one.model, start, measured)]
-    counts = shared([one.weight for one in can_begin], samples)
+    weights = np.array([one.weight for one in can_begin])
+    # Whole numbers in proportion to the weights, by the largest remainder.
+    wanted = samples * weights / weights.sum() if can_begin else weights
+    counts = np.floor(wanted).astype(int)
+    counts[np.argsort(counts - wanted, kind="stable")[: samples - counts.sum()]] += 1
     return [
         uncertainty(
             one.model,
@@ -270,42 +264,24 @@ def drawn(
             samples=count,
             seed=seed + i,
         )
-        for i, (one, count) in enumerate(zip(can_begin, counts, strict=True))
+        for i, (one, count) in enumerate(zip(can_begin, counts.tolist(), strict=True))
         if count
     ]
-
-
-def shared(weights: Sequence[float], count: int) -> list[int]:
-    """Returns whole numbers in proportion to weights, whose sum is `count` (largest remainder)."""
-    wanted = count * np.array(weights) / sum(weights) if weights else np.empty(0)
-    found = np.floor(wanted).astype(int)
-    rest = np.argsort(found - wanted, kind="stable")[: count - found.sum()]
-    found[rest] += 1
-    return found.tolist()
 
 
 def excess(errors: Array, noise: Noise) -> float:
     """Returns the root of the upper limit of the mean squared error less that of the noise [N·m].
 
     The mean square of n samples of noise has the variance 2 (sum of squared correlations) / n of
-    the squared variance; slow noise has few independent samples.
-
-    Args:
-        errors: Predicted less measured torque [N·m].
-        noise: Noise of the measured torque.
+    the squared variance; slow noise has few independent samples. Errors are predicted less measured
+    torque [N·m].
     """
     memory, white = GRID.T
     alike = 1 + 2 * ((1 - white) * memory) ** 2 / (1 - memory**2)
     count = min(errors.size, noise.freedom)  # no more samples than the noise was estimated from
-    lower = 1 - _quantile(LIMIT) * np.sqrt(2 * alike / count)
+    lower = 1 - ndtri(LIMIT) * np.sqrt(2 * alike / count)
     least = float(noise.weight @ (noise.variance * np.maximum(lower, 0)))
     return math.sqrt(max(float(np.mean(errors**2)) - least, 0))
-
-
-def _quantile(probability: float) -> float:
-    from scipy.special import ndtri  # slow to import
-
-    return float(ndtri(probability))
 
 
 def _nesting(curve: Curve) -> int:
@@ -313,11 +289,7 @@ def _nesting(curve: Curve) -> int:
 
 
 def _errors(
-    name: str,
-    others: Sequence[Curve],
-    nested: Sequence[Curve],
-    seed: int,
-    options: Mapping[str, Any],
+    name: str, others: Sequence[Curve], nested: Sequence[Curve], seed: int, options: Mapping
 ) -> Array | None:
     """Returns the errors of a model on curves outside its fit; None if it cannot predict them."""
     if not nested:
@@ -330,32 +302,27 @@ def _errors(
     return errors if np.isfinite(errors).all() else None
 
 
-def _rms(errors: Array) -> float:
-    return float(np.sqrt(np.mean(errors**2)))
-
-
 class Agreement(NamedTuple):
     """How far kinds of model differ on motions.
 
-    Attributes:
-        half_width: Largest mean half width of a motion's band [N·m]; without a band half the
-            difference of the models, and infinite where they cannot be compared.
-        tested: Whether that is the width of a band that left-out curves have tested.
-        sentence: Both in words.
+    The half width [N·m] is the largest mean of a motion's band; without a band half the difference
+    of the models, and infinite where they cannot be compared.
     """
 
     half_width: float
-    tested: bool
-    sentence: str
+    tested: bool  # whether that is the width of a band that left-out curves have tested
+    remark: Remark
+
+    @property
+    def sentence(self) -> str:
+        """The agreement in words."""
+        return self.remark.sentence
 
 
 def agreement(found: Ensemble, motions: Sequence[Motion], peak: float) -> Agreement | None:
-    """Returns how far the members of an ensemble differ; None without a motion that moves.
+    """Returns how far the members of an ensemble differ on motions that move; None without one.
 
-    Args:
-        found: Ensemble.
-        motions: Intended motions.
-        peak: Largest torque of the curves [N·m].
+    The peak is the largest torque of the curves [N·m].
     """
     moving = [one for one in motions if np.ptp(one.angle) > 0]
     if not moving:
@@ -367,24 +334,15 @@ def agreement(found: Ensemble, motions: Sequence[Motion], peak: float) -> Agreem
         ]
         bands, tested = _bands(found, curves)
     except InputError as error:
-        return _unknown(str(error))
+        return Agreement(math.inf, False, Remark("agreement unknown", {"why": str(error)}))
     half = max(float(np.mean(high - low)) / 2 for low, high in bands)
     if not math.isfinite(half):
-        return _unknown("one of them meets its pole there")
-    within = f"{half:.2g} N·m ({half / peak:.1%} of the peak)"
-    if tested:
-        by = f"curve {found.nested[0]!r}" if found.nested else "left-out curves"
-        sentence = (
-            f"on the intended motion the torque is within {within} at {LEVEL:.0%}, over all kinds "
-            f"of model and tested by predictions of {by}"
-        )
-    else:
-        sentence = (
-            f"on the intended motion the {len(found.members)} kinds of model that predict the "
-            f"curves are within {within} of each other's middle, but no curve has loops inside "
-            "loops to test them: all may be wrong together"
-        )
-    return Agreement(half, tested, sentence)
+        why = "one of them meets its pole there"
+        return Agreement(half, False, Remark("agreement unknown", {"why": why}))
+    by = f"curve {found.nested[0]!r}" if found.nested else "left-out curves"
+    values = {"half_width": half, "share": half / peak, "level": LEVEL, "by": by}
+    kind = "agreement tested" if tested else "agreement"
+    return Agreement(half, tested, Remark(kind, values | {"members": len(found.members)}))
 
 
 def _bands(found: Ensemble, curves: Sequence[Curve]) -> tuple[list[tuple[Array, Array]], bool]:
@@ -394,14 +352,8 @@ def _bands(found: Ensemble, curves: Sequence[Curve]) -> tuple[list[tuple[Array, 
     except InputError:
         if found.tested:
             raise
-        return [_between(found, curve) for curve in curves], False
-
-
-def _between(found: Ensemble, curve: Curve) -> tuple[Array, Array]:
-    torque = [predicted(one.model, one.initial_torque, curve) for one in found.members]
-    return np.min(torque, axis=0), np.max(torque, axis=0)
-
-
-def _unknown(why: str) -> Agreement:
-    sentence = f"the kinds of model cannot be compared on the intended motion: {why}"
-    return Agreement(math.inf, False, sentence)
+    bands = []
+    for curve in curves:
+        torque = [predicted(one.model, one.initial_torque, curve) for one in found.members]
+        bands.append((np.min(torque, axis=0), np.max(torque, axis=0)))
+    return bands, False

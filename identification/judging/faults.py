@@ -1,4 +1,4 @@
-"""Known faults of a measurement, each as the torque that it would add, and in words."""
+"""Known faults of a measurement, each as the torque that it would add."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -11,7 +11,6 @@ from ...hysteresis.around import Backlash, Viscoelastic, without_rate
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..fits.objective import InitialTorque, predicted
-from .remarks import Remark
 
 # Plays and gaps to try [rad], because the torque that they add is not proportional to them.
 WIDTHS = np.radians([0.2, 1.0, 4.0])
@@ -23,53 +22,6 @@ PACES = np.geomspace(0.5, 8, 12)
 LEAST_WEAR = 2.0
 Fault = Literal["tare", "rate", "lag", "play", "gap", "drift", "softening", "offset", "gain"]
 Faulty = Callable[[HysteresisModel, InitialTorque, float], Array]
-_SENTENCES: dict[Fault, Callable[[float, str], str]] = {
-    "tare": lambda size, _: (
-        f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
-        "cannot describe: it is the sensor's offset (zero the sensor, or fit it), or the rest "
-        "angle of a spring, which other models have"
-    ),
-    "rate": lambda size, _: (
-        f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous; measure "
-        "slower, or fit the rate too"
-    ),
-    "lag": lambda size, _: (
-        f"the torque is measured {abs(size):.2g} s {'after' if size > 0 else 'before'} the angle: "
-        "shift one of them, use the same filter for both, or measure slower"
-    ),
-    "play": lambda size, _: (
-        f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
-        "follows: there is play between encoder and joint; remove it, or measure the joint itself"
-    ),
-    "gap": lambda size, _: (
-        f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: "
-        "there the contact in the transmission changes from one face to another; remove that gap, "
-        "or fit it too"
-    ),
-    "drift": lambda size, _: (
-        f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
-        "sensor drifts, or the joint wears; measure in one go, or remove the change"
-    ),
-    "softening": lambda size, _: (
-        f"the torque begins {100 * abs(size):.2g} % {'larger' if size > 0 else 'smaller'} than it "
-        "ends: the joint wears in; cycle it before, and fit only the last cycles, or remove the "
-        "change"
-    ),
-    "offset": lambda size, curve: (
-        f"a torque of {size:+.2g} N·m is in all samples of curve {curve!r}, and not in the others: "
-        "zero the sensor before every curve; subtract it there, or measure that curve again"
-    ),
-    "gain": lambda size, curve: (
-        f"the torque of curve {curve!r} is {100 * size:+.2g} % larger than that of the others: "
-        "check the sensor's range and the unit of that curve, or measure it again"
-    ),
-}
-_OPTIONS: dict[Fault, tuple[str, str]] = {
-    "tare": ("tare", "fit"),
-    "rate": ("rate", "viscous"),
-    "gap": ("play", "fit"),
-    **dict.fromkeys(("drift", "softening"), ("softening", "fit")),
-}
 
 
 def played(angle: Array, gap: float) -> Array:
@@ -82,26 +34,13 @@ def played(angle: Array, gap: float) -> Array:
 
 
 class Hypothesis(NamedTuple):
-    """A fault to try.
-
-    Attributes:
-        name: Name of the fault.
-        curve: Curve that has it; empty if all have.
-        step: Size at which its column is computed.
-        most: Largest size that is plausible.
-        torque: Torque along all curves [N·m] with a fault of some size, shape (samples,).
-    """
+    """A fault to try."""
 
     name: Fault
-    curve: str
-    step: float
-    most: float
-    torque: Faulty
-
-
-def fault_remark(name: Fault, size: float, curve: str) -> Remark:
-    """Returns a fault of some size in words, and its remedy."""
-    return Remark(name, _SENTENCES[name](size, curve), _OPTIONS.get(name))
+    curve: str  # that has the fault; empty if all have
+    step: float  # size at which its column is computed
+    most: float  # largest size that is plausible
+    torque: Faulty  # along all curves [N·m] with a fault of some size, (samples,)
 
 
 def hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypothesis]:

@@ -21,7 +21,7 @@ from ...hysteresis.loops import branches, reversals
 from ..data.curves import Curve, Curves
 from ..fits.tangent import beside, independent
 from .noise import EVEN, GRID, Noise, Uneven, estimate_noise, whiten
-from .remarks import Remark
+from .sentences import Remark
 
 BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
 LEAST_FREEDOM = 5  # least excess of samples over columns; few samples allow fewer columns
@@ -38,19 +38,12 @@ NEAR_TURN = 6  # samples at a turn, where a misfit looks like a run
 
 @dataclass(frozen=True, kw_only=True)
 class Explained:
-    """How much of a residual some columns explain.
+    """How much of a residual some columns explain."""
 
-    Attributes:
-        statistic: F, averaged over the noises.
-        probability: Probability that noise alone explains as much.
-        columns: Number of the columns beside those of the fit.
-        noise: Noise with the columns in place, or that of repeated curves.
-    """
-
-    statistic: float
-    probability: float
-    columns: int
-    noise: Noise
+    statistic: float  # F, averaged over the noises
+    probability: float  # of noise alone to explain as much
+    columns: int  # number of the columns beside those of the fit
+    noise: Noise  # with the columns in place, or that of repeated curves
 
 
 def explained(
@@ -61,18 +54,10 @@ def explained(
     known: Noise | None = None,
     uneven: Uneven = EVEN,
 ) -> Explained:
-    """Tests columns beside the derivatives of a fit.
+    """Tests columns (samples, q) beside the derivatives of a fit (samples, p).
 
-    All of them are divided by the relative deviation of uneven noise.
-
-    Args:
-        residual: Residual of the fit [N·m], shape (samples,).
-        slopes: Derivatives of the torque with respect to the fitted parameters, shape
-            (samples, p).
-        columns: Columns that may explain the residual, shape (samples, q).
-        sizes: Number of samples of each curve.
-        known: Noise known from repeated curves; None estimates it.
-        uneven: How the deviation of the noise depends on the torque.
+    All of them are divided by the relative deviation of uneven noise, as is the residual [N·m]. The
+    noise is estimated where it is not known from repeated curves.
     """
     inner = independent(slopes)
     outer = independent(beside(inner, columns))
@@ -126,10 +111,6 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
 
     Half the difference of two curves is free of what both have in common, a misfit too. A constant,
     a slope and a share of the torque count as faults of one of them, and not as noise.
-
-    Args:
-        curves: Measured curves.
-        uneven: How the deviation of the noise depends on the torque.
     """
     low, high = Curves(curves).angle_range
     differences, sizes, shares, columns = [], [], [], []
@@ -137,9 +118,10 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
     while left:
         first = left.pop(0)
         for other in left:
-            torque = _along(other, first, SAME_PATH * (high - low))
-            if torque is not None and np.any(first.torque != torque):  # a copy is no repeat
-                differences.append((first.torque - torque) / math.sqrt(2))
+            if other.torque.size != first.torque.size or np.all(other.torque == first.torque):
+                continue  # a copy is no repeat
+            if np.abs(other.angle - first.angle).max() <= SAME_PATH * (high - low):
+                differences.append((first.torque - other.torque) / math.sqrt(2))
                 sizes.append(first.torque.size)
                 shares.append(first.torque)
                 left.remove(other)
@@ -155,13 +137,6 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
     scale = uneven.at(np.concatenate(shares))
     lines = np.column_stack(columns) / scale[:, None]
     return estimate_noise(lines, np.concatenate(differences) / scale, sizes, uneven)
-
-
-def _along(curve: Curve, path: Curve, within: float) -> Array | None:
-    """Returns the torque of a curve at the samples of another along the same path, or None."""
-    if curve.torque.size != path.torque.size:
-        return None
-    return curve.torque if np.abs(curve.angle - path.angle).max() <= within else None
 
 
 def outliers(
@@ -195,15 +170,8 @@ def outliers(
     inner = np.concatenate([one[1:-1] for one in np.split(scale, ends)])
     far = (usual * inner * size[1:-1])[peaks & (size[1:-1] > FAR)]
     if far.size >= FEWEST:
-        return [
-            Remark(
-                "outliers",
-                f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
-                f"{FAR:g} times the usual deviation: remove these outliers, or search with an "
-                "objective that bears them, such as by sa-pso",
-                ("objective", "robust"),
-            )
-        ]
+        values = {"count": far.size, "torque": float(far.max()), "far": FAR}
+        return [Remark("outliers", values)]
     return _runs(parts, np.split(scale, ends), curves)
 
 
@@ -224,16 +192,9 @@ def _runs(parts: Sequence[Array], scales: Sequence[Array], curves: Sequence[Curv
                 at = int(np.argmax(np.abs(free)))
                 height = float(free[at] * scale[at + length])
                 best = (size, height, at + length, length, curve.name)
-    _, height, begin, length, name = best
-    if not name:
-        return []
-    return [
-        Remark(
-            "outliers",
-            f"{length} samples of curve {name!r} from sample {begin} on are {height:+.2g} N·m off "
-            f"those before and after, {best[0]:.0f} times the usual deviation: remove this run",
-        )
-    ]
+    times, height, begin, length, name = best
+    values = {"times": times, "torque": height, "begin": begin, "count": length, "curve": name}
+    return [Remark("outliers run", values)] if name else []
 
 
 def _apart(values: Array, length: int) -> Array:

@@ -41,15 +41,10 @@ CUBIC = 3  # degree of the pieces
 
 
 class Uneven(NamedTuple):
-    """How the deviation of noise depends on the torque.
+    """How the deviation of noise depends on the torque."""
 
-    Attributes:
-        ratio: Part in proportion to the torque over the constant part [1/(N·m)].
-        square: Mean of 1 + (ratio * torque)^2 over the curves.
-    """
-
-    ratio: float = 0.0
-    square: float = 1.0
+    ratio: float = 0.0  # part in proportion to the torque over the constant part [1/(N·m)]
+    square: float = 1.0  # mean of 1 + (ratio * torque)^2 over the curves
 
     def at(self, torque: Array) -> Array:
         """Returns the deviation at torques [N·m] over its root mean square along the curves."""
@@ -61,19 +56,12 @@ EVEN = Uneven()
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise of a torque, as estimated from a residual.
+    """Noise of a torque, as estimated from a residual."""
 
-    Attributes:
-        weight: Probability of each noise of the grid, shape (g,).
-        variance: Variance of the torque under each of them [(N·m)^2], shape (g,).
-        freedom: Number of samples less that of the columns of the fit.
-        uneven: How its deviation depends on the torque; the variance is the mean.
-    """
-
-    weight: Array
-    variance: Array
-    freedom: int
-    uneven: Uneven = EVEN
+    weight: Array  # probability of each noise of the grid, (g,)
+    variance: Array  # of the torque under each of them [(N·m)^2], (g,)
+    freedom: int  # number of samples less that of the columns of the fit
+    uneven: Uneven = EVEN  # how the deviation depends on the torque; the variance is the mean
 
     @property
     def deviation(self) -> float:
@@ -90,15 +78,6 @@ class Noise:
         """The part of the deviation in proportion to the torque, as a share of it."""
         return self.constant * self.uneven.ratio
 
-    def __str__(self) -> str:
-        constant = f"{self.constant:.2g} N·m"
-        return f"{constant} and {100 * self.share:.2g} % of the torque" if self.share else constant
-
-    @property
-    def white(self) -> float:
-        """Probability that the noise is white."""
-        return float(self.weight[0])
-
     @property
     def memory(self) -> float:
         """Correlation from one sample to the next."""
@@ -106,30 +85,25 @@ class Noise:
         return float(self.weight @ slow)
 
     def draw(self, torque: Array, sizes: Sequence[int], rng: np.random.Generator) -> Array:
-        """Returns noise along curves [N·m], end to end, of one pair of numbers drawn at random.
+        """Returns noise along curves [N·m], end to end, for their torque without noise [N·m].
 
-        Args:
-            torque: Torque along the curves, without noise [N·m], shape (samples,).
-            sizes: Number of samples of each curve.
-            rng: Generator of the random numbers.
+        The memory of the noise and its share of white noise are drawn, too.
         """
         chosen = rng.choice(len(GRID), p=self.weight)
         memory, white = GRID[chosen]
-        deviation = math.sqrt(self.variance[chosen])
-        found = [_draw(size, memory, white, rng) for size in sizes]
-        return deviation * self.uneven.at(torque) * np.concatenate(found)
+        found = []
+        for size in sizes:
+            slow = math.sqrt(1 - white) * slow_noise(size, memory, rng)
+            found.append(slow + math.sqrt(white) * rng.standard_normal(size))
+        return math.sqrt(self.variance[chosen]) * self.uneven.at(torque) * np.concatenate(found)
 
 
 def uneven_noise(residual: Array, torque: Array, sizes: Sequence[int]) -> Uneven:
     """Returns whether noise has a part in proportion to the torque, by the information criterion.
 
     It compares how far samples are from the mean of their two neighbors, which a smooth misfit and
-    slow noise leave small. Logarithms of these distances bear outliers and heavy tails.
-
-    Args:
-        residual: Residual of a fit [N·m], shape (samples,).
-        torque: Fitted torque [N·m], shape (samples,).
-        sizes: Number of samples of each curve, end to end.
+    slow noise leave small. Logarithms of these distances bear outliers and heavy tails. Residual
+    and fitted torque [N·m] have the shape (samples,).
     """
     ends = np.cumsum(sizes)[:-1]
     apart = [np.abs(one[1:-1] - (one[:-2] + one[2:]) / 2) for one in np.split(residual, ends)]
@@ -153,14 +127,9 @@ def estimate_noise(
 ) -> Noise:
     """Estimates the noise of curves from the residual of a fit.
 
-    Columns and residual of uneven noise are divided by its relative deviation, `uneven.at`.
-
-    Args:
-        columns: Derivatives of the torque with respect to the fitted parameters, shape
-            (samples, p); they need not be independent.
-        residual: Residual torque [N·m], shape (samples,).
-        sizes: Number of samples of each curve, end to end; noise is independent between curves.
-        uneven: How the deviation depends on the torque.
+    Columns and residual [N·m] of uneven noise are divided by its relative deviation, `uneven.at`.
+    Columns, the derivatives of the torque by the fitted parameters (samples, p), need not be
+    independent; noise is independent between curves.
     """
     basis = independent(columns)
     freedom = residual.size - basis.shape[1]
@@ -214,19 +183,8 @@ def _innovations(values, ends, memory, white) -> float:
     return log_det
 
 
-def _draw(size: int, memory: float, white: float, rng: np.random.Generator) -> Array:
-    slow = math.sqrt(1 - white) * slow_noise(size, memory, rng)
-    return slow + math.sqrt(white) * rng.standard_normal(size)
-
-
 def slow_noise(size: int, memory: float, rng: np.random.Generator) -> Array:
-    """Returns an AR(1) process of variance 1, shape (size,).
-
-    Args:
-        size: Number of samples.
-        memory: Correlation from sample to sample.
-        rng: Generator of the random numbers.
-    """
+    """Returns an AR(1) process of variance 1, shape (size,); `memory` is its correlation."""
     from scipy.signal import lfilter  # slow to import
 
     pushes = math.sqrt(1 - memory**2) * rng.standard_normal(size)
@@ -240,9 +198,6 @@ def smoother_noise(curves: Sequence[Curve]) -> float:
 
     Each branch has its own cubic spline over the samples, whose pieces are shorter after the
     reversal, where a hysteretic torque bends most. The deviation accounts for their number.
-
-    Args:
-        curves: The measured curves.
     """
     left, freedom = 0.0, 0
     for curve in curves:

@@ -1,13 +1,14 @@
 """Mistakes of a recording that curves show before any fit, each with what was seen and where."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
 from ...hysteresis.loops import angle_noise, reversals
 from ..data.curves import SURELY, Curve, Curves, loop_work, noise_floor
-from .remarks import Remark
+from .sentences import Remark
 
 LITTLE_MOTION = 0.05  # smallest plausible range of angles [rad]
 # Peak torques of a joint in a suit [N·m], with a factor of five or more on each side.
@@ -34,7 +35,6 @@ IF_WRONG = ("work", "label")
 """Codes of remarks that are of no interest where a model describes the curves."""
 
 Place = Callable[[int], str]
-Look = Callable[[Curve, Place], Remark | None]
 
 
 def recording_faults(curves: Sequence[Curve]) -> list[Remark]:
@@ -46,31 +46,19 @@ def recording_faults(curves: Sequence[Curve]) -> list[Remark]:
     family = Curves(curves)
     found = [*_family(family)]
     for look in (_clipped, _shuffled, _label, _turn, _clock, _coarse, _stepped, _noisy):
-        found += _first(family, look)
+        remarks = (look(one, partial(family.place, one.name)) for one in family)
+        found += [one for one in remarks if one][:1]  # the first curve that deserves one
     return found
-
-
-def _first(curves: Curves, look: Look) -> list[Remark]:
-    """Returns the remark on the first curve that deserves one."""
-    for curve in curves:
-        remark = look(curve, lambda sample, name=curve.name: curves.place(name, sample))
-        if remark:
-            return [remark]
-    return []
 
 
 def _family(curves: Curves) -> Iterator[Remark]:
     """Yields remarks on numbers of all curves together."""
     span = max(float(np.ptp(curve.angle)) for curve in curves)
     if span < LITTLE_MOTION:
-        yield Remark("unit", f"the angles span only {span:.3g} rad: check their unit")
+        yield Remark("unit angle", {"span": span})
     low, high = USUAL_PEAK
     if not low <= curves.peak <= high:
-        yield Remark(
-            "unit",
-            f"the torque peaks at {curves.peak:,.3g} N·m, and that of a joint between {low:g} and "
-            f"{high:,g} N·m: check its unit",
-        )
+        yield Remark("unit torque", {"peak": curves.peak, "low": low, "high": high})
     rates = [
         float(np.abs(np.diff(one.angle)).sum() / np.ptp(one.time))
         for one in curves
@@ -78,31 +66,14 @@ def _family(curves: Curves) -> Iterator[Remark]:
     ]
     low, high = USUAL_RATE
     if rates and not low <= min(rates) <= max(rates) <= high:
-        yield Remark(
-            "clock",
-            f"the joint moves at {min(rates):.2g} to {max(rates):.2g} rad/s, and joints are "
-            f"measured between {low:g} and {high:g}: check that time_s is in seconds",
-        )
+        values = {"slowest": min(rates), "fastest": max(rates), "low": low, "high": high}
+        yield Remark("clock rate", values)
     work = loop_work(curves)
-    wrong = (
-        [""] if work.falls else [f" of curve {x.name!r}" for x in curves if loop_work([x]).falls]
-    )
-    if wrong:
-        yield Remark(
-            "sign",
-            f"the torque{wrong[0]} falls where the angle rises, as if the joint left by itself the "
-            "place where it rests: check the signs of angle and torque, which must be positive "
-            "against positive motion",
-        )
+    falling = [f" of curve {one.name!r}" for one in curves if loop_work([one]).falls]
+    if work.falls or falling:
+        yield Remark("sign", {"of": "" if work.falls else falling[0]})
     if work.z < SURELY and work.rise > 0:
-        yield Remark(
-            "work",
-            f"the loops give back {-work.work:.3g} J more than they take ({-work.z:.1f} standard "
-            "deviations), though the torque rises with the angle: check that the columns of angle "
-            "and torque are not exchanged, and that both are measured at the same time; a "
-            "magnetization over its field does so too",
-            ("method", "magnetic"),
-        )
+        yield Remark("work", {"work": -work.work, "deviations": -work.z})
     yield from _copies(curves)
 
 
@@ -117,13 +88,8 @@ def _copies(curves: Curves) -> Iterator[Remark]:
         rest = float(np.std(other.torque - factor * one.torque))
         if rest > SCALED * noise or (noise == 0 and factor != 1):
             continue
-        kind = "a copy" if np.array_equal(one.torque, other.torque) else f"{factor:.6g} times"
-        of = f"of {one.name!r}" if kind == "a copy" else f"{one.name!r}"
-        yield Remark(
-            "copy",
-            f"curve {other.name!r} is {kind} {of} to the last digits, and no second measurement: "
-            "remove it",
-        )
+        kind = "copy" if np.array_equal(one.torque, other.torque) else "copy scaled"
+        yield Remark(kind, {"curve": other.name, "other": one.name, "factor": factor})
         return
 
 
@@ -133,47 +99,30 @@ def _clipped(curve: Curve, place: Place) -> Remark | None:
     begins = np.concatenate([[0], np.flatnonzero(np.diff(curve.torque)) + 1])
     lengths = np.diff([*begins, curve.torque.size])
     longest = int(np.argmax(lengths))
-    value = float(curve.torque[begins[longest]])
-    if value not in (curve.torque.min(), curve.torque.max()) or lengths[longest] < CLIPPED:
+    value, count = float(curve.torque[begins[longest]]), int(lengths[longest])
+    if value not in (curve.torque.min(), curve.torque.max()) or count < CLIPPED:
         return None
-    others = np.delete(lengths, longest)
-    at_extremes = np.isin(np.delete(curve.torque[begins], longest), (value,))
-    usual = others[~at_extremes].max(initial=1)
-    if lengths[longest] < 3 * usual:
+    usual = lengths[curve.torque[begins] != value].max(initial=1)
+    if count < 3 * usual:
         return None
-    return Remark(
-        "clipped",
-        f"the torque stays at exactly {value:.6g} N·m for {lengths[longest]} samples from "
-        f"{place(int(begins[longest]))} on: the sensor or its amplifier is at its limit; measure "
-        "with a larger range, or smaller motions",
-    )
+    values = {"torque": value, "count": count, "place": place(int(begins[longest]))}
+    return Remark("clipped", values)
 
 
 def _shuffled(curve: Curve, place: Place) -> Remark | None:
-    size, span = curve.angle.size, float(np.ptp(curve.angle))
     steps = np.abs(np.diff(curve.angle))
-    way = float(steps.sum()) / span
-    if size < FEWEST or way * SHUFFLED < size:
+    way = float(steps.sum()) / float(np.ptp(curve.angle))
+    if curve.angle.size < FEWEST or way * SHUFFLED < curve.angle.size:
         return None
-    at = int(np.argmax(steps)) + 1
-    return Remark(
-        "disorder",
-        f"the angle goes {way:.0f} times through its range in {size} samples (the largest step is "
-        f"at {place(at)}): the rows are not in the order of measurement; sort them by time",
-    )
+    at = place(int(np.argmax(steps)) + 1)
+    return Remark("disorder rows", {"times": way, "count": curve.angle.size, "place": at})
 
 
 def _label(curve: Curve, _: Place) -> Remark | None:
     """Returns a remark on a motion that comes back to its first angle again and again."""
     span, turns = float(np.ptp(curve.angle)), reversals(curve.angle)
-    back = np.abs(curve.angle[turns] - curve.angle[0]) <= SAME_PLACE * span
-    if back.sum() < OFTEN:
-        return None
-    return Remark(
-        "label",
-        f"curve {curve.name!r} comes back to the angle where it began {back.sum()} times: if these "
-        "are several measurements, give each its own label",
-    )
+    back = int(np.sum(np.abs(curve.angle[turns] - curve.angle[0]) <= SAME_PLACE * span))
+    return Remark("label", {"curve": curve.name, "count": back}) if back >= OFTEN else None
 
 
 def _turn(curve: Curve, place: Place) -> Remark | None:
@@ -192,20 +141,12 @@ def _turn(curve: Curve, place: Place) -> Remark | None:
         at = int(near[np.argmax(late[near])])
         if late[at] < PAUSE * np.median(late):
             continue
-        where = f"between {place(at)} and {place(at + 1)}, where the motion turns, {late[at]:.3g} s"
+        values = {"place": place(at), "next": place(at + 1), "step": float(late[at])}
         if steps[at] >= least:
-            return Remark(
-                "turn",
-                f"{where} pass and the torque jumps by {steps[at]:.3g} N·m: record the turn too, "
-                "or the whole time of a rest there",
-            )
-        away = rate * late[at] / 2
+            return Remark("turn jump", values | {"torque": float(steps[at])})
+        away = rate * float(late[at]) / 2
         if away >= AWAY * np.ptp(curve.angle):
-            return Remark(
-                "turn",
-                f"{where} have no sample, and the joint could go on by {away:.2g} rad and come "
-                "back: if it did not rest there, record the turn too",
-            )
+            return Remark("turn rest", values | {"away": away})
     return None
 
 
@@ -219,12 +160,8 @@ def _clock(curve: Curve, place: Place) -> Remark | None:
     if not late.any():
         return None
     at = int(np.argmax(late))
-    return Remark(
-        "clock",
-        f"the clock jumps by {steps[at]:.3g} s between {place(at)} and {place(at + 1)}, "
-        f"{steps[at] / np.median(steps):.0f} times the usual step, while the angle goes on as "
-        "usual: repair the times, or leave the column time_s out",
-    )
+    values = {"place": place(at), "next": place(at + 1), "step": float(steps[at])}
+    return Remark("clock jump", values | {"times": float(steps[at] / np.median(steps))})
 
 
 def _coarse(curve: Curve, place: Place) -> Remark | None:
@@ -232,12 +169,8 @@ def _coarse(curve: Curve, place: Place) -> Remark | None:
     at = int(np.argmax(steps))
     if steps[at] <= COARSE * np.ptp(curve.angle):
         return None
-    return Remark(
-        "coarse",
-        f"samples of curve {curve.name!r} are up to {steps[at]:.2g} rad apart (at {place(at + 1)})"
-        f", more than {COARSE:.0%} of its range, and the torque between them is unknown: sample "
-        "finer",
-    )
+    values = {"curve": curve.name, "step": float(steps[at]), "place": place(at + 1)}
+    return Remark("coarse", values | {"most": COARSE})
 
 
 def _stepped(curve: Curve, _: Place) -> Remark | None:
@@ -246,31 +179,18 @@ def _stepped(curve: Curve, _: Place) -> Remark | None:
     whole = np.allclose(steps / count, np.round(steps / count), atol=0.01)
     if span >= COUNTS * count or not whole or np.mean(steps == 0) <= REPEATED:
         return None
-    return Remark(
-        "encoder",
-        f"the angles of curve {curve.name!r} come in steps of {count:.2g} rad, "
-        f"{span / count:.0f} over its range, and the torque changes within a "
-        "step: measure with a finer encoder, or keep one sample of each step",
-    )
+    return Remark("encoder steps", {"curve": curve.name, "step": count, "count": span / count})
 
 
 def _noisy(curve: Curve, place: Place) -> Remark | None:
     if curve.angle.size < FEWEST or _stepped(curve, place) or _shuffled(curve, place):
         return None
-    span, noise = float(np.ptp(curve.angle)), angle_noise(curve.angle)
-    if noise <= NOISY * span:
+    noise = angle_noise(curve.angle)
+    share = noise / float(np.ptp(curve.angle))
+    if share <= NOISY:
         return None
     torque = angle_noise(curve.torque) / max(float(np.ptp(curve.torque)), np.finfo(float).tiny)
-    if torque < SMOOTH * noise / span:
-        return Remark(
-            "exchanged",
-            f"the angles of curve {curve.name!r} have a noise of {noise / span:.1%} of their "
-            f"range, and the torques one of {100 * torque:.1g} %, though angles are measured "
-            "better: check whether the columns of angle and torque are exchanged",
-        )
-    return Remark(
-        "encoder",
-        f"the angles of curve {curve.name!r} have a noise of {np.degrees(noise):.2g} degrees, "
-        f"{noise / span:.1%} of its range, which the fit takes as motion: smooth the angle over "
-        "time before the fit, or measure with a better encoder",
-    )
+    values = {"curve": curve.name, "share": share}
+    if torque < SMOOTH * share:
+        return Remark("exchanged", values | {"percent": 100 * torque})
+    return Remark("encoder noise", values | {"degrees": float(np.degrees(noise))})

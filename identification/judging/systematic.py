@@ -12,6 +12,7 @@ from ...hysteresis.around import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from .noise import GRID, Noise
+from .sentences import sentence
 
 DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not determine
 UNLIKELY = 1e-3  # weight of a noise that is left out
@@ -21,16 +22,11 @@ SAME = 1e-3  # part of a column that other columns do not explain, below which t
 
 
 def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int], scale: Array) -> Array:
-    """Returns the covariance of least squares, which assume white noise, under any noise.
+    """Returns the covariance (p, p) of least squares, which assume white noise, under any noise.
 
-    With the pseudo-inverse P of the slopes and the covariance V of the noise it is P V P' (White
-    1980, Econometrica 48, 817, for errors that are not alike), here averaged over the noises.
-
-    Args:
-        slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
-        noise: Noise of the torque.
-        sizes: Number of samples of each curve.
-        scale: Relative deviation of the noise of each sample, shape (samples,).
+    With the pseudo-inverse P of the slopes (samples, p) and the covariance V of the noise it is
+    P V P' (White 1980, Econometrica 48, 817, for errors that are not alike), here averaged over the
+    noises. `scale` is the relative deviation of the noise of each sample, shape (samples,).
     """
     inverse = np.linalg.pinv(slopes, rcond=DEPENDENT).T * scale[:, None]
     parts = np.split(inverse, np.cumsum(sizes)[:-1])
@@ -65,19 +61,14 @@ class Term(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Systematic:
-    """Systematic errors that curves allow beside a model.
+    """Systematic errors that curves allow beside a model; None where the curves leave one open.
 
-    Attributes:
-        offset: Offset of the torque sensor [N·m]; None where the curves leave it open, as they do
-            where the model has a spring with a rest angle of its own.
-        damping: Viscous torque per rate [N·m·s/rad]; None where the curves leave it open, or the
-            model has it.
-        left_open: What the curves leave open, as phrases.
+    They leave the offset open where the model has a spring with a rest angle of its own.
     """
 
-    offset: Term | None
-    damping: Term | None
-    left_open: tuple[str, ...]
+    offset: Term | None  # of the torque sensor [N·m]
+    damping: Term | None  # viscous torque per rate [N·m·s/rad]; None if the model has it
+    left_open: tuple[str, ...]  # what the curves leave open, as phrases
 
 
 def systematic(
@@ -96,8 +87,8 @@ def systematic(
     387).
 
     Args:
-        model: Fitted model.
-        curves: Curves that it was fitted to.
+        model: Model that is fitted to the curves.
+        curves: These curves.
         slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
         residual: Measured less modeled torque [N·m], shape (samples,).
         weights: Factors of slopes and residual of each sample, shape (samples,).
@@ -119,13 +110,13 @@ def systematic(
     offset, *others = map(term, asked.T, rests.T)
     most, left_open = LARGE * curves.peak, []
     if offset.deviation > most:
-        left_open.append("an offset of the torque sensor, if it was not zeroed")
+        left_open.append(sentence("left open offset"))
     damping = others[0] if others else None
     if not isinstance(model, Viscoelastic):
         fastest = 0.0 if rate is None else float(np.abs(rate).max())
         if damping is None or damping.deviation * fastest > most:
-            seen = "no times" if damping is None else f"rates up to {fastest:.2g} rad/s"
-            left_open.append(f"torque that depends on the rate (the curves have {seen})")
+            kind = "left open times" if damping is None else "left open rate"
+            left_open.append(sentence(kind, fastest=fastest))
             damping = None
     return Systematic(
         offset=None if offset.deviation > most else offset,

@@ -12,16 +12,14 @@ from ...checks import at_least, check_seed
 from ...errors import InputError, shown
 from ...hysteresis.around import Clipped, Viscoelastic
 from ...hysteresis.jiles_atherton.kernels import is_exact
-from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
+from ...hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
-from ..data.parts import thinned
 from ..fits.certified import refined
-from ..fits.objective import CurveObjective, InitialTorque, sample_weights, torque_errors
+from ..fits.objective import InitialTorque, sample_weights, torque_errors
 from ..fits.registry import FITS, fit_model, play_of, rate_of, without_play
 from ..fits.search import MARGIN
 from ..fits.tangent import STEP, Coordinates, coordinates_of, tangent
-from .likelihood import Likelihood, sloppy_directions
 from .noise import Noise, estimate_noise, uneven_noise
 from .systematic import Systematic, Term, estimator_covariance, rates_of, systematic
 
@@ -36,18 +34,14 @@ class Uncertainty:
 
     Everything is linearized at the given model in the coordinates of the fit: the logarithm of a
     parameter that must be above some value, and the parameter itself otherwise. The noise of the
-    torque has a white and a slow part, estimated from the residual (see
-    `judging.noise`).
+    torque has a white and a slow part, estimated from the residual (see `judging.noise`).
 
     Attributes:
         names: Names of the fitted parameters, those in lists as weights[3].
         values: The parameters, shape (n,).
         standard_errors: Standard deviation of each parameter, shape (n,).
-        correlation: Correlation of their coordinates, shape (n, n).
         condition: Condition number of the derivatives with respect to relative changes of the
             parameters: how many times better the best known combination is known than the worst.
-        sloppy: Combinations and limits that the curves do not determine, as sentences; empty if
-            there are none.
         intervals: The 95 % interval of each parameter, lower and upper end, shape (n, 2). Each is
             valid for its own parameter, not for all at once. Where the certificate binds, it is
             one-sided in the direction of the certificate's margin. Where the curves set no limit,
@@ -67,9 +61,7 @@ class Uncertainty:
     names: tuple[str, ...]
     values: Array
     standard_errors: Array
-    correlation: Array
     condition: float
-    sloppy: tuple[str, ...]
     intervals: Array
     samples: tuple[HysteresisModel, ...]
     offset: Term | None
@@ -79,6 +71,16 @@ class Uncertainty:
     _coordinates: Coordinates = field(repr=False)
     _covariance: Array = field(repr=False)
     _limit: Array | None = field(repr=False)
+
+    @property
+    def open_ends(self) -> dict[str, list[str]]:
+        """Names of the parameters that the curves do not limit, by the end that is missing."""
+        low = self.intervals[:, 0] == self._coordinates.least
+        high = self.intervals[:, 1] == np.inf
+        ends = {"limit": low & high, "lower limit": low & ~high, "upper limit": high & ~low}
+        return {
+            end: np.array(self.names)[here].tolist() for end, here in ends.items() if here.any()
+        }
 
     def band(self, curve: Curve) -> tuple[Array, Array]:
         """Returns the ends of the 95 % interval of the torque along a curve [N·m], (samples,) each.
@@ -110,8 +112,8 @@ def uncertainty(
 
     Args:
         model: Identified model of any kind, whose fit minimized squares.
-        curves: Curves that it was fitted to; those with role "fit" are used. Of more than 50,000
-            samples only those count that `thinned` leaves, which widens the intervals.
+        curves: Curves that it was fitted to; those with role "fit" are used. `data.parts.thinned`
+            shortens long ones, which widens the intervals.
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
@@ -120,7 +122,7 @@ def uncertainty(
     """
     at_least("samples", samples, 0)
     check_seed(seed)
-    measured = thinned(Curves(curves).fitted())
+    measured = Curves(curves).fitted()
     coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
     sizes = [curve.torque.size for curve in measured]
     if sum(sizes) <= coordinates.values.size:
@@ -143,7 +145,6 @@ def uncertainty(
     allowed = systematic(model, measured, slopes, residual * scale, scale, noise, relative)
     limit = _binding(coordinates)
     intervals = _intervals(coordinates, covariance, limit, noise)
-    deviation = np.sqrt(np.diag(covariance))
     repeated = _repetitions(model, initial_torque, measured, noise, allowed, samples, seed)
     refits = tuple(
         _refitted(model, one, initial_torque, fitted_start, damping, seed)
@@ -155,13 +156,8 @@ def uncertainty(
     return Uncertainty(
         names=coordinates.names,
         values=coordinates.values,
-        standard_errors=deviation * coordinates.slopes(),
-        correlation=covariance / np.outer(deviation, deviation),
+        standard_errors=np.sqrt(np.diag(covariance)) * coordinates.slopes(),
         condition=float(np.linalg.cond(slopes * steps)),
-        sloppy=(
-            *_directions(model, measured, initial_torque, fitted_start),
-            *open_ends(coordinates, intervals),
-        ),
         intervals=intervals,
         samples=refits,
         offset=allowed.offset,
@@ -205,75 +201,24 @@ def _intervals(
     return np.column_stack([low, high])
 
 
-def open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
-    """Yields sentences on the parameters whose intervals, shape (n, 2), have no end."""
-    names, (low, high) = np.array(coordinates.names), intervals.T
-    low_open, high_open = low == coordinates.least, high == np.inf
-    for end, is_open in (
-        ("limit", low_open & high_open),
-        ("lower limit", low_open & ~high_open),
-        ("upper limit", high_open & ~low_open),
-    ):
-        if is_open.any():
-            yield f"the curves set no {end} to {', '.join(names[is_open])}"
-
-
 def _binding(coordinates: Coordinates) -> Array | None:
     """Returns the derivative of the certificate's margin where the fit ended at its limit."""
-    margin = _margin(coordinates, coordinates.point)
+
+    def margin_at(move: Array | float) -> float:
+        return coordinates.at(coordinates.point + move)[0].certificate().margin
+
+    margin = margin_at(0.0)
     if not -np.inf < margin <= MARGIN + NEAR:
         return None
     moves = STEP * np.eye(coordinates.point.size)
-    moved = [_margin(coordinates, coordinates.point + move) for move in moves]
-    limit = (np.array(moved) - margin) / STEP
+    limit = (np.array([margin_at(move) for move in moves]) - margin) / STEP
     return limit if np.isfinite(limit).all() and limit.any() else None
-
-
-def _margin(coordinates: Coordinates, point: Array) -> float:
-    return coordinates.at(point)[0].certificate().margin
 
 
 def kind_of(model: HysteresisModel) -> str:
     """Returns the name of a model without a dashpot, a gap or a range of angles around it."""
     model = without_play(model.model if isinstance(model, Viscoelastic) else model)
     return model.model.name if isinstance(model, Clipped) else model.name
-
-
-def _bare(model: HysteresisModel) -> JilesAtherton | None:
-    """Returns the Jiles-Atherton model whose valleys can be walked; None for other models."""
-    inner = model.model if isinstance(model, Clipped) else model
-    if not isinstance(inner, JilesAtherton) or inner.c <= 1:
-        return None
-    return inner if is_exact(inner.parameter_vector) else None
-
-
-def _row(
-    model: JilesAtherton, start: InitialTorque, fitted_start: bool
-) -> tuple[Array, InitialTorque]:
-    """Returns a row and an initial torque as `CurveObjective` takes them."""
-    degrees = model.in_unit("deg")
-    row = np.array([getattr(degrees, name) for name in PARAMETERS])
-    return (np.append(row, float(start)), "identified") if fitted_start else (row, start)
-
-
-def _directions(
-    model: HysteresisModel,
-    curves: Sequence[Curve],
-    initial_torque: InitialTorque,
-    fitted_start: bool,
-) -> Iterator[str]:
-    """Yields sentences on the parameters of a Jiles-Atherton model; none for other models."""
-    inner = _bare(model)
-    if inner is None:
-        return
-    if isinstance(model, Clipped):
-        curves = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in curves]
-    row, start = _row(inner, initial_torque, fitted_start)
-    likelihood = Likelihood(CurveObjective(curves, initial_torque=start), row)
-    unit = UNIT_PER_RADIAN[inner.angle_unit] / UNIT_PER_RADIAN["deg"]
-    units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
-    unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
-    yield from sloppy_directions(likelihood, units, unit_names)
 
 
 def _repetitions(
@@ -319,9 +264,12 @@ def _refitted(
     """Returns the model that a fit of the same kind finds on other curves, beside a damping."""
     if isinstance(model, JilesAtherton) and model.clamp != "none":
         raise InputError("the model is one of magnetics, whose fit is not repeated: samples=0")
-    inner, name = _bare(model), kind_of(model)
-    if inner is not None:
-        row, start = _row(inner, initial_torque, fitted_start)
+    inner, name = model.model if isinstance(model, Clipped) else model, kind_of(model)
+    if isinstance(inner, JilesAtherton) and inner.c > 1 and is_exact(inner.parameter_vector):
+        degrees, start = inner.in_unit("deg"), initial_torque
+        row = np.array([getattr(degrees, parameter) for parameter in PARAMETERS])
+        if fitted_start:
+            row, start = np.append(row, float(initial_torque)), "identified"
         found: HysteresisModel = refined(curves, row, initial_torque=start).model
     elif name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")

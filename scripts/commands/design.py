@@ -1,5 +1,6 @@
 """`activesuit design`: writes the motion that is worth measuring next."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -88,5 +89,5 @@ def _summary(found: Design) -> dict[str, Any]:
         "samples": found.time.size,
         "points": found.points,
         "branch_rates": found.rates,
-        **motion_coverage([Motion(found.time, found.angle)]).to_dict(),
+        **asdict(motion_coverage([Motion(found.time, found.angle)])),
     }

@@ -14,7 +14,7 @@ from ...identification.fit_curves import NONE
 from ...identification.fits.objective import InitialTorque, Loss, Normalize
 from ...identification.fits.registry import FITS
 from ...identification.identify import AUTO
-from ...identification.judging.verdict import NOT
+from ...identification.judging.sentences import NOT
 from ...identification.methods import Magnetic, method_names
 from ...text import say
 from ..folders import RunFolder

@@ -5,8 +5,6 @@ from typing import Any
 
 from activesuit.hysteresis import HingedStops
 from activesuit.hysteresis.parameter_table import parameter_table
-from activesuit.identification import Remark
-from activesuit.identification.report import advised
 
 
 def test_the_constant_of_a_model_is_not_called_the_offset_of_a_sensor():
@@ -15,9 +13,3 @@ def test_the_constant_of_a_model_is_not_called_the_offset_of_a_sensor():
     _, rows = parameter_table({"value": model})
     assert ["offset of the model [N·m]", "0.7"] in rows
     assert "offset" in json.dumps(model.to_dict())  # files keep the name
-
-
-def test_a_doubt_comes_with_the_command_for_two_records():
-    said = advised(Remark("wandering", "measure every curve twice"))
-    assert said.endswith("(activesuit identify FIRST.csv SECOND.csv --method auto)")
-    assert advised(Remark("tare", "an offset", ("tare", "fit"))) == "an offset (--tare fit)"

@@ -13,7 +13,7 @@ from activesuit.identification.fits import registry as own_fits
 from activesuit.identification.fits.certified import common_torque
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.judging.ensemble import agreement
-from activesuit.identification.judging.verdict import DESCRIBES, NOT_BEYOND
+from activesuit.identification.judging.sentences import DESCRIBES, NOT_BEYOND
 from helpers import along, assert_refused, sweep
 
 START = 0.52
@@ -68,32 +68,27 @@ def held_out(candidate, truth, noise):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "turns", "seed"),
+    ("name", "turns", "seed", "noise"),
     [
-        ("jiles-atherton", THREE, 0),
-        ("bouc-wen", THREE, 1),
-        ("prandtl-ishlinskii", THREE, 2),
-        ("preisach", SIX, 2),
+        ("jiles-atherton", THREE, 0, 0.01),
+        ("bouc-wen", THREE, 1, 0.01),
+        ("prandtl-ishlinskii", THREE, 2, 0.01),
+        ("preisach", SIX, 2, 0.01),
+        ("asymmetric preisach", SIX, 0, 0.02),  # of no kind that is tried
     ],
 )
-def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed):
-    noise, truth = 0.01, truths[name]
+def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed, noise):
+    truth = truths[name]
     selection = select(family(truth, turns, noise, seed), seed=seed)
     fit = selection.fit
     found = held_out(fit, truth, noise)
     assert found <= 1.5 * noise
     table = {candidate.name: candidate for candidate in selection.candidates}
     assert set(table) == NAMES
-    assert fit.model_name == name or found <= 1.1 * held_out(table[name], truth, noise)
+    best = held_out(table[name], truth, noise) if name in table else noise * 1.3 / 1.1
+    assert fit.model_name == name or found <= 1.1 * best
     assert fit.model.certificate().certified
     assert fit.model.certificate().dissipative
-
-
-@pytest.mark.slow
-def test_a_truth_of_another_kind_is_predicted(truths):
-    noise, truth, seed = 0.02, truths["asymmetric preisach"], 0
-    fit = select(family(truth, SIX, noise, seed), seed=seed).fit
-    assert held_out(fit, truth, noise) <= 1.3 * noise
 
 
 def test_the_choice_follows_its_rule_and_says_so(truths):
@@ -238,13 +233,12 @@ def test_the_verdict_extends_to_loops_on_which_a_tested_band_is_narrow(elbow):
     assert found.fit.shortfalls  # seven reversals within each other, the curves have three
     assert found.fit.verdict == DESCRIBES
     assert found.agreement.tested and found.agreement.half_width < 0.05 * found.fit.curves.peak
-    assert "tested by predictions of curve 'loops'" in found.agreement.sentence
+    assert found.agreement.remark.values["by"] == "curve 'loops'"
     farther = select(curves, intended=[deeper, Motion(None, sweep(0.52, 1.7))])
     assert farther.fit.verdict == NOT_BEYOND  # a band says nothing outside the range
     alone = select(curves[:3], intended=[deeper])
     assert alone.fit.verdict == NOT_BEYOND
     assert not alone.agreement.tested
-    assert "all may be wrong together" in alone.agreement.sentence
     turned = agreement(alone.ensemble, [Motion(None, np.array([0.0, 7.0]))], 5.0)
-    assert "cannot be compared on the intended motion: curve" in turned.sentence
+    assert turned.remark.kind == "agreement unknown"
     assert agreement(alone.ensemble, [Motion(None, np.zeros(3))], 5.0) is None

@@ -25,128 +25,105 @@ def commas(text):
 
 GERMAN = commas(table("{:.2f};{:.2f};{:.3f}"))
 TABS = table("{:.2f}\t{:.2f}\t{:.3f}")
-# What is written, and the options that it needs; the numbers are invented.
-LAYOUTS = {
-    "German spreadsheet": ("Zeit [s];Winkel [Grad];Drehmoment [Nm]\n" + GERMAN, {}),
-    "in newton millimeters": (
-        "Zeit [s];Winkel [Grad];Drehmoment [Nmm]\n"
-        + commas(table("{:.2f};{:.2f};{:.1f}", rows=[(t, a, 1000 * m) for t, a, m in ROWS])),
-        {},
-    ),
-    "quoted, with decimal commas": (
-        '"Time (s)","Angle (deg)","Torque (N·m)"\n'
-        + "".join('"' + commas(f'{t:.2f}"|"{a:.2f}"|"{m:.3f}"\n') for t, a, m in ROWS).replace(
-            "|", ","
-        ),
-        {},
-    ),
-    "units in a row below": ("Time,Angle,Torque\n(s),(deg),(N-m)\n" + table("{},{},{}"), {}),
+
+
+def volts(factor):
+    return table("{},{},{}", rows=[(factor * t, a / 36, m / 0.5) for t, a, m in ROWS])
+
+
+def scaled(row, angle=1.0, torque=1.0, time=1.0):
+    return table(row, rows=[(time * t, angle * a, torque * m) for t, a, m in ROWS])
+
+
+QUOTED = "".join('"' + commas(f'{t:.2f}"|"{a:.2f}"|"{m:.3f}"\n') for t, a, m in ROWS)
+POINTS = "".join(
+    f"{commas(str(t))};{commas(str(a))};"
+    + f"{1000 * m:,.2f}\n".replace(",", "'").replace(".", ",").replace("'", ".")
+    for t, a, m in ROWS
+)
+RADIAN = np.pi / 180
+# What is written; the numbers are invented.
+PLAIN = {
+    "German spreadsheet": "Zeit [s];Winkel [Grad];Drehmoment [Nm]\n" + GERMAN,
+    "in newton millimeters": "Zeit [s];Winkel [Grad];Drehmoment [Nmm]\n"
+    + commas(scaled("{:.2f};{:.2f};{:.1f}", torque=1000)),
+    "quoted, with decimal commas": '"Time (s)","Angle (deg)","Torque (N·m)"\n'
+    + QUOTED.replace("|", ","),
+    "units in a row below": "Time,Angle,Torque\n(s),(deg),(N-m)\n" + table("{},{},{}"),
+    "foot-pounds": "time_s\tposition [deg]\ttorque [ft-lbs]\n"
+    + scaled("{:.2f}\t{:.2f}\t{:.9f}", torque=1 / 1.3558179483314004),
+    "inch-pounds": "t [s] | angle [deg] | torque [lbf·in]\n"
+    + scaled("{} | {} | {}", torque=1 / 0.1129848290276167),
+    "measurement program with a header of its own": "Measurement\nWriter_Version\t2\n"
+    "Decimal_Separator\t.\n***End_of_Header***\n\nTime\tAngle (deg)\tTorque (N·m)\n" + TABS,
+    "amplifier with a row of units and decimal commas": "Kanalliste\nSchreiber\t3\n"
+    "Zeit\tWinkel\tDrehmoment\ns\t°\tNm\n" + commas(TABS),
+    "testing machine": '"Test Run 1"\n\n"Time"\t"Angular Position"\t"Torque"\n'
+    "Sec\tdeg\tN-m\n" + TABS,
+    "columns of spaces": "Time (s)   Angle (deg)   Torque (Nm)\n" + table("{:9} {:9} {:9}"),
+    "NumPy with a commented header": "# time angle_deg torque_nm\n" + table("{} {} {}"),
+    "pandas with its index": ",time,angle_deg,torque_nm\n" + table("7,{},{},{}"),
+    "marks of thousands": "time;angle [deg];torque [Nmm]\n" + scaled("{};{};{:,.2f}", torque=1000),
+    "thousands with points": "time;angle [deg];torque [Nmm]\n" + POINTS,
+    "ours": "curve,time_s,angle_deg,torque_nm\n" + table("rig,{},{},{}"),
+}
+# What is written, and the columns and units that it needs.
+NAMED = {
     "oscilloscope in volts": (
-        "Model,TDS2014\nSample Interval,0.01\n\nTIME,CH1,CH2\n"
-        + table("{},{},{}", rows=[(t, a / 36, m / 0.5) for t, a, m in ROWS]),
-        {
-            "columns": {"angle": "CH1", "torque": "CH2"},
-            "units": {"angle": "36 deg/V", "torque": "0.5 Nm/V"},
-        },
+        "Model,TDS2014\nSample Interval,0.01\n\nTIME,CH1,CH2\n" + volts(1),
+        {"angle": "CH1", "torque": "CH2"},
+        {"angle": "36 deg/V", "torque": "0.5 Nm/V"},
     ),
     "USB oscilloscope in milliseconds": (
-        "Time,Channel A,Channel B\n(ms),(V),(V)\n\n"
-        + table("{},{},{}", rows=[(1000 * t, a / 36, m / 0.5) for t, a, m in ROWS]),
-        {
-            "columns": {"angle": "Channel A", "torque": "Channel B"},
-            "units": {"angle": "36deg/V", "torque": "0.5 Nm/V"},
-        },
+        "Time,Channel A,Channel B\n(ms),(V),(V)\n\n" + volts(1000),
+        {"angle": "Channel A", "torque": "Channel B"},
+        {"angle": "36deg/V", "torque": "0.5 Nm/V"},
     ),
     "isokinetic dynamometer": (
         "Biodex data export\nSubject: 12\n\n   MSEC   TORQUE (N-M)   POSITION (DEG)   POS (ANAT)\n"
         + table("  {0:.3f}  {2:.3f}  {1:.2f}  {1:.2f}"),
-        {"columns": {"time": "MSEC"}, "units": {"time": "s"}},
+        {"time": "MSEC"},
+        {"time": "s"},
     ),
-    "foot-pounds": (
-        "time_s\tposition [deg]\ttorque [ft-lbs]\n"
-        + table(
-            "{:.2f}\t{:.2f}\t{:.9f}", rows=[(t, a, m / 1.3558179483314004) for t, a, m in ROWS]
-        ),
-        {},
-    ),
-    "inch-pounds": (
-        "t [s] | angle [deg] | torque [lbf·in]\n"
-        + table("{} | {} | {}", rows=[(t, a, m / 0.1129848290276167) for t, a, m in ROWS]),
-        {},
-    ),
-    "measurement program with a header of its own": (
-        "Measurement\nWriter_Version\t2\nDecimal_Separator\t.\n***End_of_Header***\n\n"
-        "Time\tAngle (deg)\tTorque (N·m)\n" + TABS,
-        {},
-    ),
-    "amplifier with a row of units and decimal commas": (
-        "Kanalliste\nSchreiber\t3\nZeit\tWinkel\tDrehmoment\ns\t°\tNm\n" + commas(TABS),
-        {},
-    ),
-    "testing machine": (
-        '"Test Run 1"\n\n"Time"\t"Angular Position"\t"Torque"\nSec\tdeg\tN-m\n' + TABS,
-        {},
-    ),
-    "columns of spaces": ("Time (s)   Angle (deg)   Torque (Nm)\n" + table("{:9} {:9} {:9}"), {}),
-    "NumPy with a commented header": ("# time angle_deg torque_nm\n" + table("{} {} {}"), {}),
     "numbers without a header": (
         table("{:e},{:e},{:e}"),
-        {
-            "columns": {"time": "1", "angle": "2", "torque": "3"},
-            "units": {"angle": "deg", "torque": "Nm"},
-        },
+        {"time": "1", "angle": "2", "torque": "3"},
+        {"angle": "deg", "torque": "Nm"},
     ),
-    "pandas with its index": (",time,angle_deg,torque_nm\n" + table("7,{},{},{}"), {}),
     "robot bag with nanoseconds": (
         "%time,field.header.seq,field.position0,field.effort0\n"
-        + table("{:.0f},1,{},{}", rows=[(1e9 * t + 1.7e18, np.radians(a), m) for t, a, m in ROWS]),
-        {
-            "columns": {"angle": "field.position0", "torque": "field.effort0"},
-            "units": {"time": "ns", "angle": "rad", "torque": "Nm"},
-        },
+        + table("{:.0f},1,{},{}", rows=[(1e9 * t + 1.7e18, RADIAN * a, m) for t, a, m in ROWS]),
+        {"angle": "field.position0", "torque": "field.effort0"},
+        {"time": "ns", "angle": "rad", "torque": "Nm"},
     ),
     "microcontroller": (
         "millis;angle [mrad];torque [mNm];\n"
-        + table(
-            "{:.0f};{:.9f};{:.3f};",
-            rows=[(1000 * t, 1000 * np.radians(a), 1000 * m) for t, a, m in ROWS],
-        ),
-        {"columns": {"time": "millis"}, "units": {"time": "ms"}},
-    ),
-    "marks of thousands": (
-        "time;angle [deg];torque [Nmm]\n"
-        + table("{};{};{:,.2f}", rows=[(t, a, 1000 * m) for t, a, m in ROWS]),
-        {},
-    ),
-    "thousands with points": (
-        "time;angle [deg];torque [Nmm]\n"
-        + "".join(
-            f"{commas(str(t))};{commas(str(a))};"
-            + f"{1000 * m:,.2f}\n".replace(",", "'").replace(".", ",").replace("'", ".")
-            for t, a, m in ROWS
-        ),
-        {},
+        + scaled("{:.0f};{:.9f};{:.3f};", 1000 * RADIAN, 1000, 1000),
+        {"time": "millis"},
+        {"time": "ms"},
     ),
     "opposite sign": (
-        "time,angle_deg,M\n" + table("{},{},{}", rows=[(t, a, -m) for t, a, m in ROWS]),
-        {"columns": {"torque": "M"}, "units": {"torque": "-1 Nm"}},
+        "time,angle_deg,M\n" + scaled("{},{},{}", torque=-1),
+        {"torque": "M"},
+        {"torque": "-1 Nm"},
     ),
     "typographic minus": (
         "time,angle_deg,torque_nm\n" + table("{},{},−{}").replace("−-", "-"),
-        {"units": {"torque": "-1 Nm"}},
+        {},
+        {"torque": "-1 Nm"},
     ),
-    "ours": ("curve,time_s,angle_deg,torque_nm\n" + table("rig,{},{},{}"), {}),
 }
+LAYOUTS = {name: (text, {}, {}) for name, text in PLAIN.items()} | NAMED
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_layouts(tmp_path, name):
-    written, options = LAYOUTS[name]
+    written, columns, units = LAYOUTS[name]
     path = tmp_path / "rig.csv"
     for encoding in ("utf-8", "utf-8-sig", "utf-16", "cp1252"):
         text = written.replace("−", "-") if encoding == "cp1252" else written
         path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
-        (curve,) = curves = load_curves(path, **options)
+        (curve,) = curves = load_curves(path, columns=columns, units=units)
         assert curve.name == "rig"
         np.testing.assert_allclose(curve.angle, ANGLE, atol=1e-6)
         np.testing.assert_allclose(curve.torque, TORQUE, atol=1e-6)

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.identification import Curves, fit_curves, fit_preisach
-from activesuit.identification.data.parts import (
-    drawn_note,
-    drawn_samples,
-    kept_samples,
-    thinned,
-    thinning_note,
-)
+from activesuit.identification.data.parts import drawn_note, drawn_samples, kept_samples, thinned
 from activesuit.identification.figures import compared, loops_plot
 from helpers import along
 
@@ -29,7 +23,7 @@ def long_family(model, samples, timed=False):
 def test_ordinary_curves_stay_as_they_are(small_family):
     short = thinned(small_family)
     assert all(one is other for one, other in zip(short, small_family, strict=True))
-    assert thinning_note(small_family) == drawn_note(small_family) == ""
+    assert drawn_note(small_family) == ""
     drawn = drawn_samples(small_family)
     for curve, indices in zip(small_family, drawn, strict=True):
         np.testing.assert_array_equal(indices, np.arange(curve.angle.size))
@@ -59,10 +53,10 @@ def test_there_are_never_too_many_turning_points():
 def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
     family = long_family(elbow, 40_000)
     fit = fit_curves(family)
-    assert [remark.sentence for remark in fit.remarks] == [
-        "40,005 of 119,997 samples are used: one in 3 of each curve, its ends and its turning "
-        "points, in the fit; errors are those of all"
-    ]
+    (remark,) = fit.remarks
+    assert (remark.code, remark.values["every"]) == ("thinned", 3)
+    assert (remark.values["used"], remark.values["samples"]) == (40_005, 119_997)
+    assert sum(one.angle.size for one in fit.fitted_curves) == 40_005
     assert fit.curves is not family
     assert fit.curves.fitted()[0].angle.size == 39_999
     errors = np.concatenate([fit.predict(c) - c.torque for c in family.fitted()])

@@ -1,6 +1,5 @@
 """The band over kinds of model: who is a member, how wide it is, and the models drawn of it."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -139,14 +138,6 @@ def test_drawn_models_are_of_all_kinds_by_weight(found, elbow):
     assert models == found.uncertainty(samples=9, seed=3).samples
     suit = Suit.from_fits({"elbow_flexion": found.fit}, samples={"elbow_flexion": models})
     assert len({type(one) for one in suit.joints["elbow_flexion"].samples}) > 1
-
-
-def test_it_is_plain_in_json(found):
-    content = json.loads(json.dumps(found.ensemble.to_dict()))
-    names = [one.name for one in found.ensemble.members]
-    assert [one["name"] for one in content["members"]] == names
-    assert (content["excess"], content["nested"]) == (found.ensemble.excess, ["nested"])
-    assert content["tested"] is True
 
 
 def test_bad_input(found):

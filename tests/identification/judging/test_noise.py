@@ -46,7 +46,7 @@ def test_a_residual_identifies_its_noise():
             found.append(estimate_noise(columns, left, sizes))
         assert np.mean([one.deviation for one in found]) == pytest.approx(0.3, rel=0.12)
         assert np.mean([one.memory for one in found]) == pytest.approx(memory, abs=0.06)
-        assert (np.mean([one.white for one in found]) > 0.5) == (memory == 0)
+        assert (np.mean([one.weight[0] for one in found]) > 0.5) == (memory == 0)
         assert found[0].freedom == 594
         assert found[0].weight.sum() == pytest.approx(1)
 
@@ -83,12 +83,11 @@ def test_noise_in_proportion_to_the_torque_is_distinguished_from_even_noise():
     assert uneven_noise(np.zeros(720), torque, sizes) == EVEN
 
 
-def test_noise_in_words_and_drawn():
+def test_noise_is_drawn_with_its_deviation_and_correlation():
     weights, rng = np.eye(len(GRID)), np.random.default_rng(0)
     noise = Noise(weights[0], np.full(len(GRID), 4e-4), 100)
-    assert str(noise) == "0.02 N·m"
     uneven = replace(noise, uneven=Uneven(ratio=0.75, square=1.0))
-    assert str(uneven) == "0.02 N·m and 1.5 % of the torque"
+    assert (uneven.constant, uneven.share) == pytest.approx((0.02, 0.015))
     drawn = uneven.draw(np.full(9000, 4.0), [9000], rng)
     assert np.std(drawn) == pytest.approx(0.02 * np.hypot(1, 3), rel=0.05)
     drawn = replace(noise, weight=weights[30]).draw(np.ones(10_000), [5000, 5000], rng)

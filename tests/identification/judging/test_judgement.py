@@ -6,19 +6,23 @@ import numpy as np
 import pytest
 from activesuit.benchmarks.honesty.truths import KINDS, measured
 from activesuit.errors import InputError
-from activesuit.hysteresis import Backlash, BoucWen
-from activesuit.identification import Corrections, Curve, Search, fit_curves, motion_coverage
+from activesuit.hysteresis import BoucWen
+from activesuit.identification import Curve, Search, fit_curves, motion_coverage
 from activesuit.identification.data.curves import loop_work, refuse_driven
 from activesuit.identification.data.files import Motion
 from activesuit.identification.judging.faults import played
 from activesuit.identification.judging.misfit import repeated_noise
 from activesuit.identification.judging.noise import slow_noise
-from activesuit.identification.judging.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
+from activesuit.identification.judging.sentences import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
 from helpers import along, spring, sweep
 
 TURNS = (0.87, 1.05, 1.22, 1.4, 1.57)
 NOISE = 0.05
 STOPS = BoucWen(elastic=2.0, hysteretic=15.0, beta=5.0, gamma=-2.0, n=1.0, rest_angle=0.52)
+
+
+def codes(fit):
+    return [one.code for one in fit.remarks]
 
 
 def family(model, *, memory=0.0, seed=0, repeats=1, gap=0.0, added=lambda i, torque: torque):
@@ -45,7 +49,7 @@ def test_a_model_of_the_wrong_kind_is_reported(memory):
     for seed in range(2):
         fit = fit_curves(family(STOPS, memory=memory, seed=seed))
         assert fit.verdict == NOT
-        assert "times the noise" in " ".join(map(str, fit.remarks))
+        assert "misfit" in codes(fit)
     right = fit_curves(family(STOPS, memory=memory), model="bouc-wen")
     assert right.verdict == (NOT_BEYOND if memory == 0 else UNKNOWN)
     twice = fit_curves(family(STOPS, memory=memory, repeats=2), model="bouc-wen")
@@ -78,7 +82,8 @@ def test_an_error_above_five_percent_needs_repeats(elbow):
     loud, again = (louder(family(elbow), lambda torque: 8 * NOISE, seed) for seed in (0, 1))
     fit = fit_curves(loud)
     assert fit.verdict == UNKNOWN
-    assert f"the error is {fit.nrmse:.1%} of the peak" in " ".join(map(str, fit.remarks))
+    assert codes(fit) == ["wandering"]
+    assert len(fit.judgement.doubts) == 1
     again = [replace(one, name=f"{one.name} again") for one in again]
     assert fit_curves([*loud, *again]).verdict == NOT_BEYOND
 
@@ -94,8 +99,7 @@ def test_noise_in_proportion_to_the_torque_has_no_outliers(elbow):
     spoilt = curves[-1].torque.copy()
     spoilt[[20, 50]] += 2.0
     (remark,) = fit_curves([*curves[:-1], replace(curves[-1], torque=spoilt)]).remarks
-    assert remark.code == "outliers"
-    assert remark.sentence.startswith("2 samples are up to")
+    assert (remark.kind, remark.values["count"]) == ("outliers", 2)
 
 
 def test_repeated_curves_tell_the_noise_whatever_the_misfit(elbow):
@@ -105,7 +109,7 @@ def test_repeated_curves_tell_the_noise_whatever_the_misfit(elbow):
     assert repeated_noise(family(elbow)) is None
     wandering = family(STOPS, memory=0.97, repeats=2)
     assert repeated_noise(wandering).memory > 0.8
-    assert "of repeated curves" in " ".join(map(str, fit_curves(wandering).remarks))
+    assert fit_curves(wandering).judgement.is_repeated
 
 
 @pytest.mark.parametrize(
@@ -120,16 +124,7 @@ def test_a_fault_of_the_measurement_is_named(elbow, name, size, fault):
     found = fit_curves(family(elbow, **fault)).judgement
     assert found.causes[0].name == name
     assert found.causes[0].size == pytest.approx(size, rel=0.3)
-    assert found.causes[0].remark.sentence in " ".join(map(str, found.remarks))
-
-
-@pytest.mark.slow
-def test_a_gap_is_named_with_its_remedy(elbow):
-    curves = family(Backlash(model=elbow, gap=0.04))
-    judged = fit_curves(curves).judgement
-    assert judged.causes[0].name == "gap"
-    assert "corrections=Corrections(play='fit')" in " ".join(map(str, judged.remarks))
-    assert fit_curves(curves, corrections=Corrections(play="fit")).verdict == NOT_BEYOND
+    assert found.causes[0].remark in found.remarks
 
 
 def test_too_few_samples_are_one_sentence(elbow):
@@ -146,11 +141,6 @@ def test_copies_are_no_repeats_and_rounding_is_no_work(elbow):
     assert fit_curves(copies).verdict == NOT_BEYOND
     angle = sweep(0.52, 1.5, 0.52)
     refuse_driven([Curve(angle, np.full(angle.size, 3.0), "constant")])
-
-
-def test_play_follows_when_the_gap_is_taken_up():
-    found = played(np.array([0.0, 0.1, 0.3, 0.25, 0.15, 0.2]), 0.1)
-    np.testing.assert_allclose(found, [0.0, 0.0, 0.2, 0.2, 0.15, 0.15])
 
 
 def test_loops_that_drive_the_joint_are_refused(elbow):
@@ -174,7 +164,7 @@ def test_loops_that_drive_the_joint_are_refused(elbow):
 
 def test_where_no_memory_is_seen_a_baseline_is_as_good():
     fit = fit_curves([along(spring(3.0), 0.52, 1.5, 0.52, noise=0.05)], model="bouc-wen")
-    assert any("described as well by" in str(one) for one in fit.judgement.remarks)
+    assert "memoryless" in codes(fit)
     assert fit.judgement.baselines["a spring"] < 1.2 * fit.nrmse
 
 
@@ -185,7 +175,7 @@ def test_the_verdict_knows_the_intended_motion(elbow):
     assert fit_curves(curves, needed=simple).verdict == DESCRIBES
     beyond = fit_curves(curves, needed=nested)
     assert beyond.verdict == NOT_BEYOND
-    assert "nested loops" in " ".join(beyond.shortfalls)
+    assert "coverage nesting" in [one.kind for one in beyond.shortfalls]
     record = along(elbow, 0.52, 1.5, 0.6, 1.4, 0.7, 1.3, 0.8, 1.2)
     assert fit_curves([*curves, record]).verdict == DESCRIBES
 
@@ -194,4 +184,4 @@ def test_a_search_that_ended_early_is_reported(elbow):
     search = Search("pso", trials=1, swarm_size=10, max_iterations=3)
     fit = fit_curves(family(elbow), method=search, workers=1)
     assert fit.verdict == NOT
-    assert "the search ended before the least error" in " ".join(map(str, fit.remarks))
+    assert "search" in codes(fit)
