@@ -11,8 +11,8 @@ from ..assets import load_suit
 from ..envs.benchmark.suite import task_of_suite
 from ..envs.evaluation import FIRST_SEED, REFERENCES
 from ..envs.evaluation.core import run
+from ..envs.evaluation.relief import relief_interval
 from ..envs.evaluation.scores import Score
-from ..envs.evaluation.statistics import relief_interval
 from ..envs.model import ASSISTED, Exo
 from ..envs.person import VoluntaryControl
 from ..envs.policies import policy_spec

@@ -24,7 +24,8 @@ from ..levels import COMPARED, LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
-from ..policies.registry import believes, is_saved
+from ..policies.registry import believes
+from ..policies.spec import is_saved
 from ..policies.trained import shipped_policies
 from ..simulation.measurements import Sensing
 from ..tasks import TASKS, Task
@@ -41,7 +42,7 @@ SLOW = {"predictive": 5}  # motions of policies that take much longer than the o
 
 
 class Setting(NamedTuple):
-    """Where policies are compared.
+    """A task at a level with a belief, in which policies are compared.
 
     Attributes:
         task: Name of the task.
@@ -69,7 +70,7 @@ class Trial(NamedTuple):
     """One policy in one setting.
 
     Attributes:
-        setting: Where.
+        setting: The setting.
         policy: A policy, with its belief; the name of a reference or bound has no options.
         label: Name of the policy in tables.
     """
@@ -109,10 +110,6 @@ class Suite:
             with each other only.
         scores: Names of scores of extras. They change no other number, and are no part of the
             contract.
-
-    Raises:
-        InputError: A name is unknown, there are too few motions, or an option is one of the
-            settings.
     """
 
     name: str
@@ -151,8 +148,9 @@ class Suite:
 
     def to_dict(self) -> dict[str, Any]:
         """Returns what a benchmark runs as plain values, by which it is known again."""
-        found = {"suite": self.name, "contract": self.contract, "tasks": self.tasks}
-        found |= {"levels": self.levels, "believed": self.believed, "motions": self.motions}
+        fields = ("tasks", "levels", "believed", "motions")
+        found = {"suite": self.name, "contract": self.contract}
+        found |= {name: getattr(self, name) for name in fields}
         found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
         others = {"options": self.options, "scores": self.scores}
         return found | {name: one for name, one in others.items() if one}
@@ -195,15 +193,15 @@ class Suite:
         runs once.
         """
         fixed = {name: PolicySpec(name) for name in (*REFERENCES, *BOUNDS[1:])}
-        found = []
+        found: dict[str, Trial] = {}
         for setting in self.settings:
             for label, one in {**fixed, **self.policies}.items():
+                trial = Trial(where(setting), one, label)
                 if believes(one.name):
                     suited = PolicySpec(one.name, {"suit": setting.believed, **one.options})
-                    found.append(Trial(setting, suited, label))
-                else:
-                    found.append(Trial(where(setting), one, label))
-        return list({trial.file_name: trial for trial in found}.values())
+                    trial = Trial(setting, suited, label)
+                found[trial.file_name] = trial
+        return [*found.values()]
 
     def motions_of(self, policy: PolicySpec) -> int:
         """Returns the number of motions of a policy."""
@@ -224,10 +222,14 @@ class Suite:
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
             "seed": FIRST_SEED,
-            **({"options": dict(self.options)} if self.options else {}),
+            **self._own_options,
         }
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+    @property
+    def _own_options(self) -> dict[str, Any]:
+        return {"options": dict(self.options)} if self.options else {}
 
     def protocol(self, policy: PolicySpec) -> dict[str, Any]:
         """Returns how a result came about: version, contract, seeds, motions and packages."""
@@ -236,7 +238,7 @@ class Suite:
             "contract": self.contract,
             "first_seed": FIRST_SEED,
             "episodes": self.motions_of(policy),
-            **({"options": dict(self.options)} if self.options else {}),
+            **self._own_options,
             "activesuit": __version__,
             "mujoco": mujoco.__version__,
             "numpy": np.__version__,

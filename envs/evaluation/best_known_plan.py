@@ -54,9 +54,9 @@ def clairvoyant(
     """
     planner = _Planner(wearers)
     samples, assisted = planner.samples, planner.assisted
-    commands = planner.commands(np.zeros((len(seeds), samples, len(ASSISTED))))
     no_torque = np.zeros((len(seeds), samples, len(JOINTS)))
-    wanted = np.zeros((len(seeds), samples, len(ASSISTED)))
+    wanted = no_torque[..., : len(ASSISTED)]
+    commands = planner.commands(wanted)
     for _ in range(GUIDED):
         traces = wearers.guided(Planned(commands), seeds, no_torque)
         if suit_only:
@@ -174,17 +174,13 @@ class _Planner:
 
 
 def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
-    """Returns the torque nearest to what is wanted among those that a motor can give.
+    """Returns the torque nearest to the wanted one [N·m] among those that a motor can give.
 
-    None is above its peak, and its heat, the running mean square, never above the continuous torque
-    squared. Least squares are missing where the torque is wanted / (1 + scarcity), and scarcity is
-    a sum of the prices of heat at later times, each remembered as heat is. Prices that maximize the
-    dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the heat is below its limit.
-
-    Args:
-        wanted: Torque at every sample [N·m], shape (samples,).
-        motor: The motor.
-        dt: Control period [s].
+    No torque is above the peak, and the heat, the running mean square, never above the continuous
+    torque squared. The missing squares are least where the torque is wanted / (1 + scarcity), and
+    scarcity is a sum of the prices of heat at later times, each remembered as heat is. Prices that
+    maximize the dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the heat is
+    below its limit. Torques are at every sample, shape (samples,).
     """
     from scipy.optimize import Bounds, minimize  # slow to import
     from scipy.signal import lfilter
@@ -215,15 +211,14 @@ def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
 
 
 def inverted(wanted: Array, gain: Array, peak: Array) -> Array:
-    """Returns commands after which lagging motors give what is wanted, as far as their peak allows.
+    """Returns commands [N·m] after which lagging motors give what is wanted, within their peaks.
+
+    The motors begin at the first command; the commands have the shape (rows, samples - 1, 2).
 
     Args:
         wanted: Torque at every sample [N·m], shape (rows, samples, 2).
         gain: Share of a change that a motor follows in one control period, shape (2,).
         peak: Peak torque of each motor [N·m], shape (2,).
-
-    Returns:
-        The commands [N·m], shape (rows, samples - 1, 2); the motors begin at the first one.
     """
     given = np.clip(wanted[:, 0], -peak, peak)
     commands = np.empty_like(wanted[:, 1:])

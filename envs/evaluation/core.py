@@ -13,7 +13,7 @@ from ...errors import InputError, unknown_name
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
-from ..policies.own import own_policy
+from ..policies.own import OwnPolicy
 from ..randomization import Randomization
 from .best_known_plan import BOUNDS, clairvoyant
 from .rollout import Trace
@@ -27,7 +27,6 @@ Runnable = PolicySpec | str | Make
 FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
 FIRST_PRACTICE = 10**9  # first seed of the practice of policies that learn over episodes
 _EXO = ("exo", "misalignment", "belief", "sensors", "sensing", "faults")
-_SUIT = ("pressure", "preconditioned", "allow_uncertified")
 
 
 class Run(NamedTuple):
@@ -64,10 +63,6 @@ def run(
         adapted: Whether wearers have learned the motions under the policy.
         unadapted: Whether wearers who have not are scored beside.
         **options: Options of the environment with an exoskeleton, and of `ArmVectorEnv`.
-
-    Raises:
-        InputError: The policy or the environment cannot be made, or the policy ends episodes, so
-            that no wearer can adapt.
     """
     if options.get("reward") is not None:
         raise InputError("scores are those of the shipped reward: leave the option reward out")
@@ -91,19 +86,15 @@ def _options_of(given: Runnable, options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the options of an environment of the same wearers without an exoskeleton.
-
-    Args:
-        reference: "unsuited" or "suited".
-        options: Options of the environment with an exoskeleton.
-    """
-    kept = {name: value for name, value in options.items() if name not in _EXO}
-    given = kept.get("randomize") or {}
+    """Returns the options of an environment of the same wearers, "unsuited" or "suited"."""
+    given = options.get("randomize") or {}
     terms = asdict(given) if isinstance(given, Randomization) else dict(given)
-    dropped = {"misalignment", "sensor_noise", "encoder_offset"}
+    without, dropped = _EXO, {"misalignment", "sensor_noise", "encoder_offset"}
     if reference == "unsuited":
-        kept = {name: value for name, value in kept.items() if name not in _SUIT}
+        without += ("suit", "pressure", "preconditioned", "allow_uncertified")
         dropped |= {"suit", "suits", "pressure"}
+    kept = {name: value for name, value in options.items() if name not in without}
+    if reference == "unsuited":
         kept["suit"] = NO_SUIT
     if terms:
         kept["randomize"] = {name: term for name, term in terms.items() if name not in dropped}
@@ -118,7 +109,7 @@ def _maker(
     if isinstance(given, PolicySpec):
         return partial(make_policy, given, plant)
     if callable(given):
-        return partial(own_policy, name, given, plant.motors, plant)
+        return partial(OwnPolicy, name, plant.motors, given, plant)
     if given in REFERENCES:
         return partial(make_policy, "none", plant)
     if not plant.motors:

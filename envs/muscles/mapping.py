@@ -52,13 +52,9 @@ def turn(axis: int, angle: Array) -> Array:
 
 
 def shoulder(angle: Array) -> Array:
-    """Returns plane of elevation, elevation and rotation for our joint angles [rad].
+    """Returns plane of elevation, elevation and rotation [rad], shape (samples, 3).
 
-    Args:
-        angle: Our joint angles [rad], shape (samples, 4).
-
-    Returns:
-        The angles, shape (samples, 3).
+    They are those of our joint angles [rad], shape (samples, 4).
     """
     hanging = np.hypot(angle[:, 0], angle[:, 1]) < LEAST
     flexion = np.where(hanging, LEAST, angle[:, 1])
@@ -68,8 +64,7 @@ def shoulder(angle: Array) -> Array:
 def decomposed(whole: Array) -> Array:
     """Returns plane of elevation, elevation and rotation of upper arms [rad], shape (samples, 3).
 
-    Args:
-        whole: Orientations of the upper arm, 1 where it hangs, shape (samples, 3, 3).
+    The orientations of upper arms, shape (samples, 3, 3), are 1 where they hang.
     """
     along = -whole[:, :, 1]
     elevation = np.arctan2(np.hypot(along[:, 0], along[:, 2]), -along[:, 1])

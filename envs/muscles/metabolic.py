@@ -26,14 +26,11 @@ _BHARGAVA = _OPENSIM.format("Bhargava, Pandy and Anderson (2004), J. Biomech. 37
 
 
 _DENSITY = Quantity("metabolic.density", 1059.7, "kg/m³", _UMBERGER, "transcribed")
-_TENSION = Quantity(
-    "metabolic.specific_tension",
-    0.5e6,
-    "Pa",
+_OURS = (
     "ours, of the size that models of this arm use; with OpenSim's default, 0.25 MPa, all masses "
-    "and heats are twice as large",
-    "assumed",
+    "and heats are twice as large"
 )
+_TENSION = Quantity("metabolic.specific_tension", 0.5e6, "Pa", _OURS, "assumed")
 _UNKNOWN = "OpenSim's default for muscles of unknown composition"
 _SLOW = Quantity("metabolic.slow_fibres", 0.5, "1", _UNKNOWN, "assumed")
 _REST = f"Umberger et al. (2003), page 104; {_UMBERGER}"
@@ -96,13 +93,7 @@ def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     a² and speed, or of lengthening to a and speed, per kilogram; both less where the fibres are
     longer than optimal, and times 1.5 for aerobic work.
 
-    Args:
-        arm: The muscles of the average man.
-        geometry: The muscles along the motion.
-        activation: Activations, shape (samples, muscles).
-
-    Returns:
-        The power, shape (samples, muscles).
+    Activations and power have the shape (samples, muscles).
     """
     fast, long, share = 1 - _SLOW.value, geometry.length > 1, geometry.isometric / arm.peak
     active = (_U["active"] + _U["active.fast"] * fast) * activation ** _U["active.exponent"]
@@ -124,13 +115,7 @@ def bhargava(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     heat of shortening is 0.16 of the isometric force and 0.18 of the force, times speed. In
     lengthening 0.157 of the work that the muscle takes in is heat that it does not make.
 
-    Args:
-        arm: The muscles of the average man.
-        geometry: The muscles along the motion.
-        activation: Activations, shape (samples, muscles).
-
-    Returns:
-        The power, shape (samples, muscles).
+    Activations and power have the shape (samples, muscles).
     """
     slow = _SLOW.value * np.sin(np.pi / 2 * activation)
     fast = (1 - _SLOW.value) * (1 - np.cos(np.pi / 2 * activation))

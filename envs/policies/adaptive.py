@@ -24,6 +24,9 @@ NOISE = 0.1  # share of the torque: noise of pads between person and suit
 QUIET = 0.2  # N·m, the least error that counts
 SCALES = (0.02, 50.0)  # factors of the hysteresis; any above 0 keeps the certificate
 LARGEST = np.array([0.0, 40.0, 20.0, 3.0])  # bounds of the other terms
+# Of iterative learning: noise and the lag of the motors are beyond the cutoff.
+LEARNED_CUTOFF = 4.0  # [Hz], greatest frequency that is learned
+LONGEST = 60.0  # [s], greatest time of a cycle
 
 
 class Adaptive(ModelBased):
@@ -39,12 +42,7 @@ class Adaptive(ModelBased):
     Source: Tan and Baras 2004 (recursive identification of hysteresis), Åström and Wittenmark 1995.
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes at first of person, suit and load.
         forgetting: Time after which old data count for a third [s], 1 to 1,000.
-        delay: Age of the torque between person and suit [s], 0 to 0.5.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
@@ -143,20 +141,10 @@ class Adaptive(ModelBased):
 
 
 def projected(theta: Array) -> Array:
-    """Returns the nearest factors that keep the certificate and are physical.
-
-    Args:
-        theta: Factors, shape (..., 4).
-    """
+    """Returns the nearest factors that keep the certificate and are physical, shape (..., 4)."""
     found = np.clip(theta, -LARGEST, LARGEST)
     found[..., 0] = np.clip(theta[..., 0], *SCALES)
     return found
-
-
-LEARNED_CUTOFF = (
-    4.0  # [Hz], greatest frequency that is learned; noise and the motors' lag are beyond
-)
-LONGEST = 60.0  # s
 
 
 class IterativeLearning(Compensation):
@@ -170,13 +158,8 @@ class IterativeLearning(Compensation):
     compensation. Source: Zhang, Cheah and Collins (the best of nine torque controllers).
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
-        gain: Share L of what is missing that is added, 0 to 1.
+        gain: Share L of the missing torque that is added, 0 to 1.
         period: Time of a cycle [s]; 0 is that of the task.
-        delay: Age of the torque between person and suit [s], 0 to 0.5.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
@@ -225,12 +208,12 @@ class IterativeLearning(Compensation):
 
 
 def learned(known: Array, missing: Array, gain: float, ahead: int, dt: float) -> Array:
-    """Returns the torques of the next cycle.
+    """Returns the torques of the next cycle [N·m].
 
     Args:
         known: Torques of this cycle [N·m], shape (periods, ...).
-        missing: What was missing in it, the same shape.
-        gain: Share of it that is added.
+        missing: Missing torques of this cycle [N·m], the same shape.
+        gain: Share of the missing torques that is added.
         ahead: Periods by which torques are given earlier than they are missing.
         dt: Control period [s].
     """

@@ -39,14 +39,10 @@ def folder_of(name: str) -> str | None:
 
 
 def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Returns the scene that a policy was trained in: env, level, suit, gravity, sensors, ...
+    """Returns the scene in which the policy of a folder was trained.
 
-    Args:
-        folder: Folder of the policy.
-
-    Returns:
-        The id of the environment as "env", and its options as plain data, so that
-        `gymnasium.make(scene.pop("env"), **scene)` makes it.
+    These are the id of the environment as "env", and its options as plain data, so that
+    `gymnasium.make(scene.pop("env"), **scene)` makes it.
     """
     folder = Path(folder)
     path, found = folder / CARD, dict(read_card(folder).environment)
@@ -113,7 +109,14 @@ class TrainedPolicy:
     """
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
-        _check_observed(name, card.observation, observed(plant))
+        trained, here = card.observation, observed(plant)
+        if contract_of(trained) != contract_of(here):
+            part = next((part for part in here if trained.get(part) != here[part]), "observation")
+            raise InputError(
+                f"the policy in {name!r} was trained with the {part} {shown(trained.get(part))}, "
+                f"and the environment has {shown(here[part])}: make it with the sensors that the "
+                "policy was trained with, or train again"
+            )
         self._network = network
         self._memory: Array | None = None
 
@@ -128,14 +131,3 @@ class TrainedPolicy:
             self._memory = self._network.memory(len(rows))
         action = self._network.act(rows, self._memory)
         return action.reshape(*observation.shape[:-1], -1)
-
-
-def _check_observed(folder: str, trained: dict[str, Any], here: dict[str, Any]) -> None:
-    if contract_of(trained) == contract_of(here):
-        return
-    name = next((name for name in here if trained.get(name) != here[name]), "observation")
-    raise InputError(
-        f"the policy in {folder!r} was trained with the {name} {shown(trained.get(name))}, "
-        f"and the environment has {shown(here[name])}: make it with the sensors that the policy "
-        "was trained with, or train again"
-    )

@@ -19,7 +19,7 @@ import numpy as np
 from activesuit.assets import load_suit
 from activesuit.envs.benchmark import BASELINE, run_trial, suite
 from activesuit.envs.evaluation import rollout
-from activesuit.envs.evaluation.validation import compare_beliefs
+from activesuit.envs.evaluation.suit_validation import compare_beliefs
 from activesuit.envs.levels import LEVELS
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit
 from activesuit.envs.evaluation import FIRST_SEED, rollout
-from activesuit.envs.evaluation.validation import (
+from activesuit.envs.evaluation.suit_validation import compare_beliefs
+from activesuit.envs.evaluation.verdict import (
     LIMITS,
-    compare_beliefs,
     curve_errors,
     lag_of,
     noise_of,
