@@ -168,7 +168,9 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
                 )
             key = (result.task, result.level, result.believed, result.policy)
             known, first = found.get(key, (result, str(path)))
-            if not _agree(known, result):
+            both = known.extra.keys() & result.extra.keys()
+            alike = all(known.extra[name] == result.extra[name] for name in both)
+            if not alike or replace(known, extra={}) != replace(result, extra={}):
                 raise InputError(
                     f"{str(path)!r} and {first!r} have different results of "
                     f"{result.policy} in {result.task} at {result.level}: leave one of them out"
@@ -179,13 +181,6 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
             "there are no results: give a file or folder of `activesuit benchmark run`"
         )
     return [result for result, _ in found.values()]
-
-
-def _agree(one: Result, other: Result) -> bool:
-    """Returns whether two results are of one trial, whichever scores of extras they have."""
-    both = set(one.extra).intersection(other.extra)
-    same = all(one.extra[name] == other.extra[name] for name in both)
-    return same and replace(one, extra={}) == replace(other, extra={})
 
 
 def read_text(path: Path, what: str = "results") -> str:

@@ -305,14 +305,15 @@ def measures_of(
     results: Sequence[Result], score: str, cost: str, least: float
 ) -> dict[str, Measure]:
     """Returns a cost of a score as measures, by each convention that results have."""
-    costs = [one.extra.get(score, {}).get("costs", {}).get(cost, {}) for one in results]
-    conventions = dict.fromkeys((STANDARD, *(name for one in costs for name in one)))
-    return {name: Measure(partial(_series, score, cost, name), least) for name in conventions}
 
+    def kept(result: Result) -> Mapping[str, Sequence[float | None]]:
+        return result.extra.get(score, {}).get("costs", {}).get(cost, {})
 
-def _series(score: str, cost: str, convention: str, result: Result) -> Sequence[float] | None:
-    """Returns the cost of each motion; None where the result does not have it."""
-    if result.failed is not None:
-        return (math.inf,) * len(result.effort)
-    kept = result.extra.get(score, {}).get("costs", {}).get(cost, {}).get(convention)
-    return None if kept is None else [math.inf if one is None else one for one in kept]
+    def series(convention: str, result: Result) -> Sequence[float] | None:
+        if result.failed is not None:
+            return (math.inf,) * len(result.effort)
+        found = kept(result).get(convention)
+        return None if found is None else [math.inf if one is None else one for one in found]
+
+    conventions = dict.fromkeys((STANDARD, *(name for one in results for name in kept(one))))
+    return {name: Measure(partial(series, name), least) for name in conventions}

@@ -43,8 +43,8 @@ class Evaluation:
 
     scores: Mapping[str, Score]
     adapted: bool
-    traces: Mapping[str, list[Trace]] = field(default_factory=dict, repr=False)
-    first_seed: int = FIRST_SEED
+    traces: Mapping[str, list[Trace]] = field(repr=False)
+    first_seed: int
     extras: Mapping[str, Mapping[str, Scored]] = field(default_factory=dict, repr=False)
 
     @property
@@ -143,13 +143,12 @@ class Evaluation:
 
     def pictures(self) -> dict[str, Any]:
         """Returns drawings of the scores of extras, by name."""
-        found = {}
-        for name, scored in self.extras.items():
-            draw = SCORES.find(name).figure
-            if draw is not None:
-                policies = extra_scores.drawn_policies(name, scored)
-                found[f"score-{name}"] = draw(self.first(policies))
-        return found
+        draws = {name: SCORES.find(name).figure for name in self.extras}
+        return {
+            f"score-{name}": draw(self.first(extra_scores.drawn_policies(name, self.extras[name])))
+            for name, draw in draws.items()
+            if draw is not None
+        }
 
     def columns(self) -> dict[str, Any]:
         """Returns columns of CSV files by name: every score, and the first motions over time."""

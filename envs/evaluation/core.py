@@ -123,11 +123,8 @@ def _practiced(make: Callable[[], Policy], wearers: Wearers) -> Callable[[], Pol
 
     The motions of practice are others than those that are scored.
     """
-    policy = make()
-    rollouts, rows = getattr(policy, "practice", 0), wearers.arms.num_envs
-    if not rollouts:
-        return make
-    for i in range(rollouts):
-        first = FIRST_PRACTICE + i * rows
+    policy, rows = make(), wearers.arms.num_envs
+    rollouts = getattr(policy, "practice", 0)
+    for first in range(FIRST_PRACTICE, FIRST_PRACTICE + rollouts * rows, rows):
         wearers.unadapted(policy, range(first, first + rows))
-    return partial(deepcopy, policy)
+    return partial(deepcopy, policy) if rollouts else make

@@ -20,7 +20,7 @@ from ..model import ASSISTED, resisting_joints
 from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
 from ..policies.registry import PolicyKind
 from .best_known_plan import BOUNDS
-from .compare import Evaluation, OnPolicy, evaluate
+from .compare import Evaluation, evaluate
 from .core import FIRST_SEED
 from .figures import motion_plots
 from .report import score_table, trace_columns
@@ -67,53 +67,6 @@ class Validation:
         """Returns everything as plain values, the verdict first."""
         nrmse = self.torque.nrmse
         return {"verdict": self.verdict, "nrmse": nrmse and nrmse.to_dict(), **asdict(self)}
-
-
-def compare_beliefs(
-    env_id: str,
-    believed: Mapping[str, AnySuit],
-    *,
-    policy: AnyPolicy = "feedforward",
-    motions: int = 20,
-    seed: int = FIRST_SEED,
-    on_policy: OnPolicy | None = None,
-    **env_options: Any,
-) -> tuple[Evaluation, dict[str, Validation]]:
-    """Runs a policy that believes each of some suits in an arm that wears another one.
-
-    Args:
-        env_id: Id of a registered environment.
-        believed: Believed suits, by names of your choice.
-        policy: Policy, which believes a suit if it takes the option `suit`, such as "compensation";
-            the others are run as they are.
-        motions: Number of motions, at least 8.
-        seed: Seed of the first motion.
-        on_policy: Function that is called after each policy with its name and its motions.
-        **env_options: Options of the environment; `suit` is the true one.
-
-    Returns:
-        The evaluation, in which "by NAME" is the policy with that suit beside "true model"
-        and "best-known-plan"; and the validation of each believed suit.
-    """
-    at_least("motions", motions, FEWEST_MOTIONS)
-    joints = believed_joints(env_id, believed, policy, **env_options)
-    bound = BOUNDS[1]
-    policies: dict[str, Any] = {TRUE: policy, bound: bound}
-    policies |= {f"by {name}": with_belief(policy, suit) for name, suit in believed.items()}
-    options = {"motions": motions, "seed": seed, "on_policy": on_policy, **env_options}
-    found = evaluate(env_id, policies, **options)
-    as_is = all(env_options.get(other, usual) == usual for other, usual in AS_IS.items())
-    return found, {
-        name: Validation(
-            same=env_options.get("suit") == believed[name] and as_is,
-            torque=torque_errors(joints[name], found.traces[one]),
-            relief=found.relief(one),
-            difference=found.relief_difference(one, TRUE),
-            share_of_true=found.share_of_bound(one, TRUE),
-            share_of_bound=found.share_of_bound(one, bound),
-        )
-        for name, one in ((name, f"by {name}") for name in believed)
-    }
 
 
 def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
@@ -306,10 +259,16 @@ def validate(
     if "suit" in env_options:
         raise InputError(f"suit is {env_options['suit']!r}: name the simulated suits as plants")
     options: dict[str, Any] = {"gravity": WEIGHTLESS, **env_options}
-    for suit in true.values():
-        believed_joints(env_id, believed, policy, suit=suit, **options)
+    joints = {
+        name: believed_joints(env_id, believed, policy, suit=suit, **options)
+        for name, suit in true.items()
+    }
     if samples:
         options["randomize"] = {**options.get("randomize", {}), "suit": "samples"}
+    as_is = all(options.get(other, usual) == usual for other, usual in AS_IS.items())
+    by = {one: f"by {label}" for one, label in names_of(believed).items()}
+    policies: dict[str, Any] = {TRUE: policy, BOUNDS[1]: BOUNDS[1]}
+    policies |= {by[one]: with_belief(policy, suit) for one, suit in believed.items()}
     total, done = (len(believed) + OTHERS) * len(true) * motions, 0
 
     def step(_: str, traces: list[Trace]) -> None:
@@ -318,15 +277,30 @@ def validate(
         if on_step:
             on_step(done, total)
 
-    cells, evaluations, labels = {}, {}, names_of(believed)
-    same = {"policy": policy, "motions": motions, "seed": seed}
-    named = {labels[one]: suit for one, suit in believed.items()}
+    cells, evaluations = {}, {}
     for name, suit in true.items():
         more = {"on_policy": step, "threads": 0, "suit": suit, **options}
-        evaluations[name], found = compare_beliefs(env_id, named, **same, **more)
-        cells |= {(one, name): found[labels[one]] for one in believed}
-    kept = {"cells": cells, "evaluations": evaluations, "believed": believed, "plants": true}
-    return SuitValidation(env_id=env_id, options=options, **same, **kept)
+        found = evaluations[name] = evaluate(env_id, policies, motions=motions, seed=seed, **more)
+        for one, own in by.items():
+            cells[one, name] = Validation(
+                same=suit == believed[one] and as_is,
+                torque=torque_errors(joints[name][one], found.traces[own]),
+                relief=found.relief(own),
+                difference=found.relief_difference(own, TRUE),
+                share_of_true=found.share_of_bound(own, TRUE),
+                share_of_bound=found.share_of_bound(own, BOUNDS[1]),
+            )
+    return SuitValidation(
+        env_id=env_id,
+        policy=policy,
+        motions=motions,
+        seed=seed,
+        options=options,
+        believed=believed,
+        plants=true,
+        cells=cells,
+        evaluations=evaluations,
+    )
 
 
 def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[str, AnySuit]:

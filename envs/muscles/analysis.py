@@ -173,7 +173,7 @@ def share_among_muscles(
 
     Args:
         arm: The muscles of the average man.
-        demand: What the motion asks of them.
+        demand: What the motion asks of the muscles.
         convention: Choices in sharing the torque.
         before: Activations a period before the motion, shape (muscles,); by default any.
     """
@@ -181,7 +181,6 @@ def share_among_muscles(
     wanted = demand.torque / demand.scale
     if convention.passive:
         slack = np.einsum("nkm,nm->nk", geometry.arms, geometry.passive)
-        wanted = wanted.copy()
         wanted[:, OWN] += demand.elastic / demand.scale - slack[:, OWN]
         wanted[:, THIRD] -= slack[:, THIRD]
     axes = [axis for axis in range(len(AXES)) if convention.third or axis != THIRD]
@@ -207,7 +206,7 @@ def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
 def _cost(name: str, arm: MyoArm) -> Cost:
     """Returns what is least; beside cube or volume a small square makes the answer unique."""
     mass = muscle_masses(arm)
-    linear = mass / mass.mean() if name == "volume" else np.zeros_like(mass)
+    linear = mass / mass.mean() * (name == "volume")
     square, cubic = (1.0, 0.0) if name == "squares" else (LINEAR, float(name == "cubes"))
     return Cost(linear, square, cubic, SOFTNESS)
 

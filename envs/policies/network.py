@@ -107,7 +107,9 @@ class Network:
             *(one for pair in self.layers for one in pair),
         ]
         for name in known:
-            _check_numbers(self.weights, name, 1 if name.endswith("bias") else 2)
+            if name not in self.weights:
+                raise InputError(f"the network has no {name}: give it")
+            _check_numbers(name, self.weights[name], 1 if name.endswith("bias") else 2)
         for name in self.weights:
             if name not in known:
                 raise unknown_name("array of the network", name, known)
@@ -190,15 +192,9 @@ def _sigmoid(values: Array) -> Array:
     return 0.5 * (1 + np.tanh(0.5 * values))
 
 
-def _check_numbers(weights: Mapping[str, Any], name: str, dimensions: int) -> None:
-    if name not in weights:
-        raise InputError(f"the network has no {name}: give it")
-    found = weights[name]
-    if (
-        not isinstance(found, np.ndarray)
-        or found.dtype not in (np.float32, np.float64)
-        or found.ndim != dimensions
-    ):
+def _check_numbers(name: str, found: Any, dimensions: int) -> None:
+    numbers = isinstance(found, np.ndarray) and found.dtype in (np.float32, np.float64)
+    if not numbers or found.ndim != dimensions:
         raise InputError(
             f"the network's {name} is {shown(found)}: give an array of NumPy with {dimensions} "
             "dimensions, of the type float32 or float64"
@@ -235,12 +231,12 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
             f"{str(folder)!r} is neither a policy name nor a trained policy: it has no readable "
             f"{CARD}; train it, or save one with `save_policy`"
         )
-    name, fix = str(path), "restore it, or train again"
-    card = modelled(read_json(path, "policy"), Card, name, "card of a policy", fix)
+    fix = "restore it, or train again"
+    card = modelled(read_json(path, "policy"), Card, str(path), "card of a policy", fix)
     if contract_of(card.observation) != card.contract:
         raise InputError(
             f"{str(path)!r} has the contract {shown(card.contract)}, which is not that of its "
-            "observation: restore it, or train again"
+            f"observation: {fix}"
         )
     return card
 

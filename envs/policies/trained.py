@@ -66,19 +66,15 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
 def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Returns how a policy was trained: algo, seed, steps, and what else its card says."""
     path, found = Path(folder) / CARD, dict(read_card(folder).training)
-    if not isinstance(found.get("algo"), str):
-        raise InputError(
-            f"{str(path)!r} has the algo {shown(found.get('algo'))}: it must be a name"
-        )
+    algo = found.get("algo")
+    if not isinstance(algo, str):
+        raise InputError(f"{str(path)!r} has the algo {shown(algo)}: it must be a name")
     if not isinstance(found.get("hyperparameters", {}), dict):
         raise InputError(f"{str(path)!r} has hyperparameters that are no object: restore it")
     for name, least in (("seed", 0), ("steps", 1), ("rows", 1), ("motions", 0), ("patience", 1)):
-        value = found.get(name, least)
+        value, need = found.get(name, least), f"a whole number of at least {least}"
         if type(value) is not int or value < least:
-            raise InputError(
-                f"{str(path)!r} has {name} {shown(value)}: it must be a whole number of at least "
-                f"{least}"
-            )
+            raise InputError(f"{str(path)!r} has {name} {shown(value)}: it must be {need}")
     return found
 
 
