@@ -13,7 +13,7 @@ from ..benchmarks.device import columns
 from ..benchmarks.gpu import columns as gpu_columns
 from ..envs.benchmark.results import read_results
 from ..envs.benchmark.standings import Standing, Standings
-from ..envs.benchmark.suite import Setting
+from ..envs.benchmark.suites import Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.model.cuffs import FORCE_LIMITS
 from ..envs.policies.network import read_card

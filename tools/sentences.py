@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..envs.benchmark.suite import BELIEVED, Setting
+from ..envs.benchmark.suites import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.policies.trained import shipped_policies
 from .learners import BESIDE, LEARNERS, kept_learner

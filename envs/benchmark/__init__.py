@@ -2,7 +2,7 @@
 
 from .leaderboard import Leaderboard
 from .results import Result, read_results, run_trial
-from .suite import BASELINE, SUITES, Setting, Suite, Trial, suite
+from .suites import BASELINE, SUITES, Setting, Suite, Trial, suite
 
 __all__ = [
     "BASELINE",

@@ -22,7 +22,7 @@ from ..policies import POLICIES, needed_options
 from ..policies.trained import shipped_policies
 from .results import Result
 from .standings import EFFORT, FIXED, MARGIN, Measure, Standings, cost_over, measures_of
-from .suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
+from .suites import BASELINE, BELIEVED, SUITES, VERSION, Setting
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 TITLE, FIGURE = "# Controllers compared", "profiles.png"

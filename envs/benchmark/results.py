@@ -22,13 +22,13 @@ from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
-from ..evaluation.core import run
 from ..evaluation.reasons import Frequent, most_frequent
 from ..evaluation.rollout import Trace
+from ..evaluation.run import run
 from ..extras import SCORES, STANDARD
 from ..levels import LEVELS
 from ..tasks import TASKS
-from .suite import Suite, Trial
+from .suites import Suite, Trial
 
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
@@ -148,10 +148,7 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
     """Reads and merges results of several runs: files of results, or folders that have one.
 
     A trial that was run several times, with other scores of extras, counts once, with all of them.
-
-    Raises:
-        InputError: A file cannot be read or is none, two files have different results of the same
-            trial, or results have different contracts and cannot be compared.
+    Results of different contracts cannot be compared, and are refused.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""

@@ -28,7 +28,7 @@ from ..evaluation.statistics import (
 from ..extras import STANDARD
 from ..levels import LEVELS
 from .results import SERIES, Result
-from .suite import BASELINE, Setting, where
+from .suites import BASELINE, Setting, where
 
 BOUND = BOUNDS[1]
 FIXED = (*REFERENCES, BOUND)

@@ -19,9 +19,9 @@ from ..policies import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_opti
 from . import extra_scores, figures, report
 from . import sentences as say
 from .best_known_plan import BOUNDS
-from .core import FIRST_SEED, Make, Run, Runnable, run
 from .relief import relief_interval
 from .rollout import Trace
+from .run import FIRST_SEED, Make, Run, Runnable, run
 from .scores import REFERENCES, UNADAPTED, Score, root_mean_square, score
 from .statistics import Interval, mean_interval, ratio_interval
 
@@ -259,13 +259,9 @@ def _scored(
 def check_policy(
     env_id: str, policy: AnyPolicy, scores: Sequence[str] = (), **env_options: Any
 ) -> None:
-    """Makes one arm and a policy, so that mistakes are known before anything moves.
+    """Makes one arm and a policy or bound, so that mistakes are known before anything moves.
 
-    Args:
-        env_id: Id of a registered environment.
-        policy: Policy, or the name of a bound.
-        scores: Names of scores of extras that the motions shall have.
-        **env_options: Options of the environment.
+    Scores of extras, by their names, are asked whether they can score its motions.
     """
     needed = {} if policy in BOUNDS else needed_options(policy)
     arms = make_arms(env_id, 1, **{**env_options, **needed})

@@ -17,24 +17,17 @@ if TYPE_CHECKING:
 SIDEWAYS = "shoulder_abduction"
 NOTED = 1.0  # [N·m], additional torque of abduction that is named
 LEAST = 0.01  # share of time at the peak torque that is worth a word
-# Words for a limit, the factor of its numbers, and their unit.
+# Words for a limit, the factor of its numbers, their unit, and the limit's name in a sentence; only
+# limits with such a name can be exceeded by an arm without motors.
 _WORDS = {
-    "worst_joint": ("{part}", 1e3, "mrad"),
-    "effort": ("effort", 100, "%"),
-    "hand_error": ("hand", 1e3, "mm"),
-    "tilt": ("tilt of the hand", 1e3, "mrad"),
-    "slowness": ("hand too slow by", 100, "%"),
-    "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears"),
-    "heat": ("load of the {part} motor", 100, "% of continuous"),
-}
-# Limits that an arm without motors can exceed, in a sentence.
-_UNASSISTED = {
-    "worst_joint": "tracking",
-    "effort": "effort",
-    "hand_error": "the hand's place",
-    "tilt": "the hand's tilt",
-    "slowness": "the hand's speed",
-    "lost": "the arm's range",
+    "worst_joint": ("{part}", 1e3, "mrad", "tracking"),
+    "effort": ("effort", 100, "%", "effort"),
+    "hand_error": ("hand", 1e3, "mm", "the hand's place"),
+    "tilt": ("tilt of the hand", 1e3, "mrad", "the hand's tilt"),
+    "slowness": ("hand too slow by", 100, "%", "the hand's speed"),
+    "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears", None),
+    "heat": ("load of the {part} motor", 100, "% of continuous", None),
+    "lost": ("arm lost", 1, "", "the arm's range"),
 }
 
 
@@ -70,7 +63,7 @@ def _kept_unassisted(score: Score, suited: Score) -> list[str]:
         names = {reason.name for reason in why}
         mine |= names
         both |= names & {reason.name for reason in theirs}
-    return [words for name, words in _UNASSISTED.items() if name in mine - both]
+    return [named for name, (*_, named) in _WORDS.items() if named and name in mine - both]
 
 
 def motions_text(count: int) -> str:
@@ -83,7 +76,7 @@ def exceeded(why: Frequent) -> str:
     part = (why.part or "").removesuffix("_flexion").replace("_", " ")
     if why.name == "lost":
         return f"arm lost at {why.time_s:.1f} s ({part})"
-    words, factor, unit = _WORDS[why.name]
+    words, factor, unit, _ = _WORDS[why.name]
     size = f"{_number(factor * why.value)} {unit} of {_number(factor * why.limit)}"
     said = f"{words.format(part=part)} {size} from {why.time_s:.1f} s"
     if why.oscillation is None:

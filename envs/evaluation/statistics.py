@@ -71,13 +71,7 @@ def interval_text(one: Interval | None, form: str = "z.2f", *, lines: bool = Fal
     return f"{one.value:{form}}" + (f"\n{ends}" if lines else f" ({ends})")
 
 
-def interval_of(
-    statistic: Statistic,
-    *series: ArrayLike,
-    level: float = 0.95,
-    resamples: int = 2000,
-    seed: int = 0,
-) -> Interval:
+def interval_of(statistic: Statistic, *series: ArrayLike, **options: Any) -> Interval:
     """Returns the bootstrap-t interval of a smooth function of means over motions.
 
     All series are resampled by the same motions, so that paired values stay paired. If all values
@@ -88,9 +82,8 @@ def interval_of(
         statistic: A function of one mean for each series that works on arrays element by element,
             such as `lambda over, under: over / under` for a ratio of sums.
         *series: Values by motion, each of shape (motions,).
-        level: How often the interval should hold the truth, 0.5 to 0.99.
-        resamples: Number of bootstrap resamples.
-        seed: Seed of the resamples; the same seed gives the same interval.
+        **options: The `level`, how often the interval should hold the truth, 0.5 to 0.99, by
+            default 0.95; the number of `resamples`, by default 2,000; and their `seed`.
     """
     columns = _columns(**{f"series {i}": values for i, values in enumerate(series)})
 
@@ -98,27 +91,16 @@ def interval_of(
         return _jackknifed(statistic, [column[index] for column in columns])
 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return _bootstrap_t(estimate, columns[0].size, columns[0].size, level, resamples, seed)
+        return _bootstrap_t(estimate, columns[0].size, columns[0].size, **options)
 
 
 def mean_interval(values: ArrayLike, **options: Any) -> Interval:
-    """Returns the interval of a mean over motions.
-
-    Args:
-        values: Values by motion, shape (motions,).
-        **options: The `level`, `resamples` and `seed` of `interval_of`.
-    """
+    """Returns the interval of a mean over motions, with the options of `interval_of`."""
     return interval_of(lambda mean: mean, *_columns(values=values), **options)
 
 
 def difference_interval(one: ArrayLike, other: ArrayLike, **options: Any) -> Interval:
-    """Returns the interval of the mean of one - other on the same motions.
-
-    Args:
-        one: Values by motion, shape (motions,).
-        other: Values on the same motions, shape (motions,).
-        **options: The `level`, `resamples` and `seed` of `interval_of`.
-    """
+    """Returns the interval of the mean of one - other on the same motions, as `mean_interval`."""
     one, other = _columns(one=one, other=other)
     return mean_interval(one - other, **options)
 
@@ -127,12 +109,8 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
     """Returns the interval of sum(numerator) / sum(denominator) over the same motions.
 
     Where the sum of the denominators could as well be 0, which their own interval tells, the ratio
-    has no limits and the interval is infinite, as is that of Fieller (1954).
-
-    Args:
-        numerator: Values by motion, shape (motions,).
-        denominator: Values on the same motions, shape (motions,).
-        **options: The `level`, `resamples` and `seed` of `interval_of`.
+    has no limits and the interval is infinite, as is that of Fieller (1954). The options are those
+    of `interval_of`.
     """
     over, under = _columns(numerator=numerator, denominator=denominator)
     if under.mean() == 0:
@@ -153,9 +131,7 @@ def interquartile_mean(scores: ArrayLike) -> Array:
     return ordered[..., cut : ordered.shape[-1] - cut].mean(axis=-1)
 
 
-def interquartile_mean_interval(
-    scores: ArrayLike, *, level: float = 0.95, resamples: int = 2000, seed: int = 0
-) -> Interval:
+def interquartile_mean_interval(scores: ArrayLike, **options: Any) -> Interval:
     """Returns the interval of the interquartile mean of all scores over other runs, or clusters.
 
     A run is one training. The scores of the benchmark in one motion, or in one task, are such a
@@ -169,20 +145,24 @@ def interquartile_mean_interval(
 
     Args:
         scores: Scores of shape (runs, episodes); an episode has the same motion in all runs.
-        level: How often the interval should hold the truth, 0.5 to 0.99.
-        resamples: Number of bootstrap resamples.
-        seed: Seed of the resamples; the same seed gives the same interval.
+        **options: The `level`, `resamples` and `seed` of `interval_of`.
     """
     rows = _rows(scores)
 
     def estimate(index: NDArray[np.int64]) -> tuple[Array, Array]:
         return _interquartile(rows[index])
 
-    return _bootstrap_t(estimate, rows.shape[0], rows.size, level, resamples, seed)
+    return _bootstrap_t(estimate, rows.shape[0], rows.size, **options)
 
 
 def _bootstrap_t(
-    estimate: Estimate, count: int, size: int, level: float, resamples: int, seed: int
+    estimate: Estimate,
+    count: int,
+    size: int,
+    *,
+    level: float = 0.95,
+    resamples: int = 2000,
+    seed: int = 0,
 ) -> Interval:
     """Returns the interval from an estimate and its error by resample of `count` units."""
     within("level", level, *LEVELS)

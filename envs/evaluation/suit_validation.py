@@ -21,10 +21,10 @@ from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, polic
 from ..policies.registry import PolicyKind
 from .best_known_plan import BOUNDS
 from .compare import Evaluation, evaluate
-from .core import FIRST_SEED
 from .figures import motion_plots
 from .report import score_table, trace_columns
 from .rollout import Trace
+from .run import FIRST_SEED
 from .sentences import cuff_remarks, why_remarks
 from .statistics import FEWEST_MOTIONS, Interval, interval_text
 from .validation_sentences import TRUE, answer, covered_by, lacking, story

@@ -48,14 +48,9 @@ def story(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
 def answer(
     found: "Validation", believed: str, suit: Suit, policy: str, evaluation: "Evaluation"
 ) -> Iterator[str]:
-    """Yields how well a controller with an identified model works, and what that leaves out.
+    """Yields how well a policy with an identified model works, and what that leaves out.
 
-    Args:
-        found: Validation of the suit where its own model and samples are the true ones.
-        believed: Name of the suit.
-        suit: The suit.
-        policy: Policy that believes it.
-        evaluation: Motions of that policy beside those of the references.
+    The model and the samples of the suit, whose name is `believed`, are the true ones here.
     """
     joints = {joint: suit.joints[joint] for joint in found.torque.covered}
     nrmse = found.torque.nrmse

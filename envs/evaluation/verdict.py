@@ -98,10 +98,7 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
     """Compares believed joints, by their names, with the true torque along at least 8 motions.
 
     The models follow the true angles of each control period, from the beginning of their memory.
-
-    Raises:
-        InputError: There are fewer than 8 motions.
-        PoleError: A motion meets the pole of an uncertified model.
+    A motion that meets the pole of an uncertified model is a `PoleError`.
     """
     expected: dict[str, list[Array]] = {}
     true: dict[str, list[Array]] = {}
@@ -219,10 +216,6 @@ def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) ->
     Args:
         joint: Joint of a believed suit.
         curves: Angles [rad] and measured torques [N·m] of each curve, by its name.
-
-    Raises:
-        InputError: The torque of a curve is 0 everywhere.
-        PoleError: A curve meets the pole of an uncertified model.
     """
     found = []
     for name, (angle, torque) in curves.items():

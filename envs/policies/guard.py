@@ -66,10 +66,7 @@ class Guard(TorquePolicy):
 
 
 def updated_ledger(ledger: Array, needed: Array, given: Array, rate: Array, dt: float) -> Array:
-    """Returns ledgers after a control period [J], shape (n,); arguments are as of `lessen`.
-
-    The torque of the motors is `given` [N·m], shape (n, 2).
-    """
+    """Returns ledgers after a control period [J]; the motors have given a torque [N·m], (n, 2)."""
     return np.minimum(ledger + ((needed - given) * rate).sum(axis=1) * dt, RESERVE)
 
 

@@ -97,11 +97,7 @@ class PolicyKind:
 
     @classmethod
     def of(cls, name: str, beside: Sequence[str] = ()) -> "PolicyKind":
-        """Returns the kind of a name; `beside` are other names for the message about unknown ones.
-
-        Raises:
-            InputError: There is no such policy, or a class of your own cannot be imported or used.
-        """
+        """Returns the kind of a name; a message about unknown ones has the names `beside` too."""
         if name not in POLICIES and (folder := folder_of(name)):
             return cls(name=name, folder=folder)
         maker = POLICIES.get(name) or _own_maker(name, beside)
@@ -165,10 +161,6 @@ def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = F
         beside: Other names that may be given here, for the message about an unknown one.
         trust: Whether a JSON file may name "package.module:Class", whose code then runs. A file
             names policies of this package and training runs only if it is not trusted.
-
-    Raises:
-        InputError: There is no such policy, folder, module or option, a value is of the wrong type,
-            or a file that is not trusted names code.
     """
     spec = parsed(given, POLICIES, trust=trust)
     kind = PolicyKind.of(spec.name, beside)
@@ -206,10 +198,6 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
         given: A policy; see `policy_spec`.
         env: Environment in which the policy will act, single or vector, wrapped or not; or its
             plant, which is all of it that the policy gets.
-
-    Raises:
-        InputError: See `policy_spec`; or the environment has no motors or not the sensors that the
-            policy needs, or an option is out of its range.
     """
     spec, plant = policy_spec(given), _plant_of(env)
     name, kind = spec.name, PolicyKind.of(spec.name)

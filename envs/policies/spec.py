@@ -1,7 +1,7 @@
 """A policy as plain data: its name and its options, from text, a dict or a JSON file."""
 
 import os
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -115,12 +115,12 @@ def _number(text: str) -> float | str:
         return text
 
 
-def _flat(options: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
-    found = []
+def _flat(options: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
     for name, value in options.items():
-        inner = _flat(value, f"{before}{name}.") if isinstance(value, Mapping) else None
-        found += [(before + name, value)] if inner is None else inner
-    return found
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{before}{name}.")
+        else:
+            yield before + name, value
 
 
 def typed(what: str, value: Any, kind: Any) -> Any:

@@ -28,7 +28,7 @@ from ..policies.registry import believes
 from ..policies.spec import is_saved
 from ..policies.trained import shipped_policies
 from ..simulation.measurements import Sensing
-from ..tasks import TASKS, Task
+from ..tasks import TASKS
 
 VERSION = 3  # wearers of 2 could not aim, and did not pay for usual co-contraction
 BELIEVED = ("mock-suit", "emu-like")
@@ -37,6 +37,10 @@ DURATIONS = {  # [s], of a few repetitions, or of one joint: 20 motions of each 
     **{"ReachPanel": 12.0, "ObjectRelocation": 13.5, "OverheadHold": 20.0},
     **{"TransitionCurves": 21.0, "RangeOfMotion": 26.0},
 }
+SUITE_TASKS = {
+    name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
+}
+"""The tasks by name as the benchmark runs them."""
 BASELINE = "compensation"
 SLOW = {"predictive": 5}  # motions of policies that take much longer than the others
 
@@ -58,7 +62,7 @@ class Setting(NamedTuple):
     def options(self) -> dict[str, Any]:
         """Options of the environment."""
         changes = {} if self.level == "shift" else {"suit": self.believed}
-        return {**changes, "level": self.level, "task": task_of_suite(self.task)}
+        return {**changes, "level": self.level, "task": SUITE_TASKS[self.task]}
 
     @property
     def true_suit(self) -> str:
@@ -212,7 +216,9 @@ class Suite:
         """A hash of all that makes results comparable: tasks, levels, suits, wearer and sensors."""
         content = {
             "version": VERSION,
-            "tasks": {name: [type(task).__name__, asdict(task)] for name, task in _TASKS.items()},
+            "tasks": {
+                name: [type(task).__name__, asdict(task)] for name, task in SUITE_TASKS.items()
+            },
             "levels": {name: LEVELS[name] for name in dict.fromkeys((*COMPARED, *self.levels))},
             "suits": {
                 name: load_suit(name).model_dump(mode="json", exclude_none=True)
@@ -251,19 +257,9 @@ def where(setting: Setting) -> Setting:
     return setting._replace(believed=setting.true_suit) if setting.level == "shift" else setting
 
 
-def task_of_suite(name: str) -> Task:
-    """Returns a task as the benchmark runs it."""
-    return _TASKS[name]
-
-
-_TASKS = {
-    name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
-}
-_ON_CUFFS = ("none", "transparent", "compensation", "corrected")
 # `corrected` needs cuffs; parts of `compensation` are in tables of their own.
 _OTHERS = ("oracle", "corrected", "transparent", "gravity", "complement")
 _ALL = (*(name for name in POLICIES if name not in _OTHERS), *shipped_policies())
-_QUICK = ("none", "compensation")
 
 
 def suite(
@@ -297,13 +293,15 @@ SUITES = {
     "full": Suite(name="full", policies={name: policy_spec(name) for name in _ALL}),
     "cuffs": Suite(
         name="cuffs",
-        policies={name: policy_spec(name) for name in _ON_CUFFS},
+        policies={
+            name: policy_spec(name) for name in ("none", "transparent", "compensation", "corrected")
+        },
         tasks=("ElbowFlexion", "ArmTracking", "MinorLoops", "ReachPanel"),
         coupling="cuffs",
     ),
     "quick": Suite(
         name="quick",
-        policies={name: policy_spec(name) for name in _QUICK},
+        policies={name: policy_spec(name) for name in ("none", "compensation")},
         tasks=("ElbowFlexion", "MinorLoops", "Ratchet"),
         believed=("emu-like",),
         motions=8,
