@@ -270,7 +270,7 @@ def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:
 def _clustered(values: Array) -> Interval:
     """Returns the interquartile mean of values, shape (clusters, size), with its interval.
 
-    It has no limits where a policy failed or there are too few clusters.
+    The interval has no limits where a policy failed or there are too few clusters.
     """
     if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
         return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)

@@ -153,7 +153,7 @@ class Suite:
     def to_dict(self) -> dict[str, Any]:
         """Returns what a benchmark runs as plain values, by which it is known again."""
         fields = ("tasks", "levels", "believed", "motions")
-        found = {"suite": self.name, "contract": self.contract}
+        found: dict[str, Any] = {"suite": self.name, "contract": self.contract}
         found |= {name: getattr(self, name) for name in fields}
         found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
         others = {"options": self.options, "scores": self.scores}

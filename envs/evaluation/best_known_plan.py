@@ -169,8 +169,19 @@ class _Planner:
         return found
 
     def commands(self, wanted: Array) -> Array:
-        """Returns commands over the motors' peaks for torques [N·m], shape (rows, samples, 2)."""
-        return inverted(self.given(wanted), self._gain, self._peak) / self._peak
+        """Returns commands over the motors' peaks for torques [N·m], shape (rows, samples, 2).
+
+        After the commands, lagging motors give what is wanted, as far as their peaks allow. The
+        motors begin at the first command.
+        """
+        wanted, gain, peak = self.given(wanted), self._gain, self._peak
+        given = np.clip(wanted[:, 0], -peak, peak)
+        commands = np.empty_like(wanted[:, 1:])
+        for i in range(commands.shape[1]):
+            command = (wanted[:, i + 1] - (1 - gain) * given) / gain if i else wanted[:, 0]
+            commands[:, i] = np.clip(command, -peak, peak)
+            given = given + gain * (commands[:, i] - given)
+        return commands / peak
 
 
 def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
@@ -208,22 +219,3 @@ def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
     how = {"jac": True, "method": "L-BFGS-B", "options": {"ftol": 1e-12, "maxcor": 30}}
     found = minimize(dual, np.zeros_like(wanted), bounds=Bounds(0, np.inf), **how)
     return given(scarcity(found.x))
-
-
-def inverted(wanted: Array, gain: Array, peak: Array) -> Array:
-    """Returns commands [N·m] after which lagging motors give what is wanted, within their peaks.
-
-    The motors begin at the first command; the commands have the shape (rows, samples - 1, 2).
-
-    Args:
-        wanted: Torque at every sample [N·m], shape (rows, samples, 2).
-        gain: Share of a change that a motor follows in one control period, shape (2,).
-        peak: Peak torque of each motor [N·m], shape (2,).
-    """
-    given = np.clip(wanted[:, 0], -peak, peak)
-    commands = np.empty_like(wanted[:, 1:])
-    for i in range(commands.shape[1]):
-        command = (wanted[:, i + 1] - (1 - gain) * given) / gain if i else wanted[:, 0]
-        commands[:, i] = np.clip(command, -peak, peak)
-        given = given + gain * (commands[:, i] - given)
-    return commands

@@ -20,9 +20,7 @@ from ..tasks.task import ROUNDING, Limit
 from ..vector_env import ArmVectorEnv
 from .reasons import Reason, reasons
 
-SERIES = (
-    *("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque", "effort"),
-)
+SERIES = ("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque", "effort")
 SOME = {"cuff_force": (3, 3), "fatigue": (2, 4), "motor_load": (2,)}  # what some arms lack
 FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 

@@ -126,7 +126,8 @@ def newton(x: Array, of: Problem, a: Array, miss: Array) -> Array:
         if x[k] <= 0.0 and miss[k] > 0.0:
             hessian[k, :], hessian[:, k] = 0.0, 0.0
             slope[k], hessian[k, k] = 0.0, 1.0
-    return np.linalg.solve(hessian, slope)
+    slope[:] = np.linalg.solve(hessian, slope)
+    return slope
 
 
 @inner

@@ -43,6 +43,9 @@ class Adaptive(ModelBased):
 
     Args:
         forgetting: Time after which old data count for a third [s], 1 to 1,000.
+
+    Attributes:
+        estimate: Factors of believed resistance, angle [N·m/rad], 1 [N·m] and weight, (n, 2, 4).
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
@@ -68,23 +71,16 @@ class Adaptive(ModelBased):
             LowPass(CUTOFF, self.dt) for _ in range(3)
         )
 
-    @property
-    def estimate(self) -> Array:
-        """Factors of believed resistance, angle [N·m/rad], 1 [N·m] and weight, (n, 2, 4)."""
-        return self._theta
-
     def begin(self, seen: Seen) -> None:
         """Begins with what is believed."""
         super().begin(seen)
-        shape = (len(seen["angle"]), len(self.peak), len(SPREAD))
-        self._theta = np.zeros(shape) + BELIEVED
-        self._covariance = np.zeros((*shape, len(SPREAD)))
-        self._covariance[:] = np.diag(SPREAD**2)
-        terms = self._terms(seen, 0.0)
-        momentum, _ = self._carried(seen)
+        shape = (len(seen["angle"]), len(self.peak))
+        self.estimate = np.tile(BELIEVED, (*shape, 1))
+        self._covariance = np.tile(np.diag(SPREAD**2), (*shape, 1, 1))
+        terms, (momentum, _) = self._terms(seen, 0.0), self._carried(seen)
         self._past: list[tuple[Array, Array, Array, Array]] = []
         self._terms_slowly.begin(terms)
-        self._torque_slowly.begin((self._theta * terms).sum(axis=-1))
+        self._torque_slowly.begin((self.estimate * terms).sum(axis=-1))
         self._momentum_slowly.begin(momentum)
         self._slow = momentum
 
@@ -98,7 +94,7 @@ class Adaptive(ModelBased):
             self._observe(*self._past.pop(0), person_torque(seen))
         soon = seen["angle"] + self.lead * rate
         own = self._whole(soon) - self._weight(soon)
-        corrected = (self._theta * self._terms(seen, self.lead)).sum(axis=-1)
+        corrected = (self.estimate * self._terms(seen, self.lead)).sum(axis=-1)
         return corrected + own + self.friction(rate[:, self.assisted])
 
     def _observe(
@@ -118,13 +114,13 @@ class Adaptive(ModelBased):
             measured: Torque that they should explain [N·m], shape (n, 2).
             moving: Which joints move, so that there is something to learn, shape (n, 2).
         """
-        error = measured - (self._theta * terms).sum(axis=-1)
+        error = measured - (self.estimate * terms).sum(axis=-1)
         noise = (QUIET + NOISE * np.abs(measured)) ** 2 * LASTING / self.dt
         learns = moving & np.isfinite(error)
         spread = np.einsum("nijk,nik->nij", self._covariance, terms)
         gain = spread / (self._keep * noise + (terms * spread).sum(axis=-1))[..., None]
         step = np.where(learns[..., None], gain * np.where(learns, error, 0.0)[..., None], 0.0)
-        self._theta = projected(self._theta + step)
+        self.estimate = projected(self.estimate + step)
         fresh = (self._covariance - gain[..., :, None] * spread[..., None, :]) / self._keep
         wound = np.einsum("nijj->nij", fresh) > SPREAD**2
         fresh = np.where(wound.any(axis=-1)[..., None, None], fresh * self._keep, fresh)

@@ -145,7 +145,7 @@ def _own_maker(name: str, beside: Sequence[str]) -> Callable[..., Policy]:
     if not name.partition(":")[2]:
         other = ("the folder of a training run", "package.module:Class")
         raise unknown_name("policy", name, (*POLICIES, *shipped_policies(), *beside, *other))
-    found = imported("policy", name, "class")
+    found: Callable[..., Policy] = imported("policy", name, "class")
     if not callable(found):
         raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
     return found

@@ -9,7 +9,7 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy
 from helpers import fails, run, shorten_tasks
 
-PAGE = Path(__file__).parents[2] / "docs" / "own_controllers.md"
+PAGE = Path(__file__).parents[3] / "docs" / "own_controllers.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
 CLASSES = "\n".join(block for block in BLOCKS if "\nclass " in block)
 SENSORS = ["encoders", "preview", "interaction"]
