@@ -36,12 +36,7 @@ MARGIN = 0.02  # difference of relief below which two policies are alike
 
 
 class Measure(NamedTuple):
-    """What a motion costs the wearer, in a number that relief can be of.
-
-    Attributes:
-        series: Function that returns the cost of each motion of a result; None if it has none.
-        least: Cost of a suit for relief to have a meaning.
-    """
+    """A cost of the motions of a result, or None, and the least cost of a suit with a relief."""
 
     series: Callable[[Result], Sequence[float] | None]
     least: float = LEAST_COST

@@ -48,8 +48,7 @@ def motion_plots(traces: Traces, place: str = "") -> dict[str, Plot]:
 
 def trajectory_plot(traces: Traces) -> Plot:
     """Returns intended and actual angles of the assisted joints over time, a line per policy."""
-    first = next(iter(traces.values()))
-    panels = []
+    first, panels = next(iter(traces.values())), []
     for title, at in zip(TITLES, ASSISTED_COLUMNS, strict=True):
         marks: list[Mark] = [Line(first.time, first.target_angle[:, at], "intended", width=4)]
         marks += [Line(one.time, one.angle[:, at], name) for name, one in traces.items()]
@@ -59,16 +58,12 @@ def trajectory_plot(traces: Traces) -> Plot:
 
 def motion_loops_plot(traces: Traces) -> Plot:
     """Returns suit resistance and human torque over the joint angle, a line per policy."""
+    resistance = {name: (one.angle, -one.suit_torque) for name, one in traces.items()}
+    human = {name: (one.angle, one.human_torque) for name, one in traces.items()}
     panels = []
-    for series, label, sign in (
-        ("suit_torque", "suit resistance", -1),
-        ("human_torque", "human torque", 1),
-    ):
+    for label, loops in (("suit resistance", resistance), ("human torque", human)):
         for title, at in zip(TITLES, ASSISTED_COLUMNS, strict=True):
-            marks = [
-                Line(one.angle[:, at], sign * getattr(one, series)[:, at], name, width=1)
-                for name, one in traces.items()
-            ]
+            marks = [Line(x[:, at], y[:, at], name, width=1) for name, (x, y) in loops.items()]
             panels.append(Panel(x="angle [rad]", y=f"{label} [N·m]", marks=marks, title=title))
     return Plot(title="Torques over angle", panels=panels, columns=len(ASSISTED))
 

@@ -30,13 +30,7 @@ _EXO = ("exo", "misalignment", "belief", "sensors", "sensing", "faults")
 
 
 class Run(NamedTuple):
-    """A policy on some motions.
-
-    Attributes:
-        score: Its score.
-        traces: The motions, in the order of the seeds.
-        effort_scale: Effort of the suited arm, by which rewards are scaled.
-    """
+    """Score and motions of a policy, and the effort of the suited arm that scales rewards."""
 
     score: Score
     traces: list[Trace]

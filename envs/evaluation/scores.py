@@ -187,14 +187,12 @@ def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:
         for trace in traces
         if len(trace.time) > 2
     ]
+
+    def mean(name: str, column: int) -> float:
+        return float(np.mean([getattr(one, name)[column] for one in found])) if found else np.nan
+
     names = [field.name for field in fields(EffortMetrics) if field.name not in ("rms", "peak")]
-    return {
-        joint: {
-            name: float(np.mean([getattr(one, name)[column] for one in found])) if found else np.nan
-            for name in names
-        }
-        for column, joint in enumerate(JOINTS)
-    }
+    return {joint: {name: mean(name, i) for name in names} for i, joint in enumerate(JOINTS)}
 
 
 def _endurance(trace: Trace) -> float:
@@ -215,7 +213,7 @@ def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:
     if not forces:
         return None
     peak = np.linalg.norm(np.concatenate(forces), axis=-1).max(axis=0)
-    return dict(zip(CUFFS, map(float, peak), strict=True))
+    return dict(zip(CUFFS, peak.tolist(), strict=True))
 
 
 def root_mean_square(values: Array | Values) -> float:

@@ -105,12 +105,9 @@ def believed_joints(
 class SuitValidation:
     """Result of `validate`: what believed suits are worth, each where each plant is simulated.
 
+    Arguments of `validate` stand first.
+
     Attributes:
-        env_id: Id of the environment.
-        policy: Policy that believes the suits, with its options.
-        motions: Number of motions.
-        seed: Seed of the first motion.
-        options: Other options of the environment.
         believed: Believed suits, by name.
         plants: Simulated suits, by name.
         cells: Validations, by the names of the believed and of the simulated suit.

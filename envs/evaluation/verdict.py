@@ -193,14 +193,9 @@ def noise_of(joint: SuitJoint) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class CurveError:
-    """Predicted less measured torque of one curve.
+    """Predicted less measured torque of one curve: root mean square, largest size and mean [N·m].
 
-    Attributes:
-        curve: Name of the curve.
-        rms: Root mean square [N·m].
-        peak: Largest size [N·m].
-        bias: Mean [N·m].
-        nrmse: Root mean square over the largest measured torque of the curve.
+    `nrmse` is the root mean square over the largest measured torque of the curve.
     """
 
     curve: str
@@ -230,12 +225,7 @@ def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) ->
 
 @dataclass(frozen=True, kw_only=True)
 class CurvePrediction:
-    """What suits predict of measured curves.
-
-    Attributes:
-        errors: Errors of each curve, by suit and joint.
-        notes: Curves that test nothing, as sentences.
-    """
+    """Errors of suits on each measured curve, by suit and joint; `notes` are curves of no use."""
 
     errors: Mapping[str, Mapping[str, list[CurveError]]]
     notes: Sequence[str] = ()

@@ -42,13 +42,7 @@ _TO_BODY = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 def turn(axis: int, angle: Array) -> Array:
     """Returns rotations about a coordinate axis, shape (samples, 3, 3)."""
-    found = np.zeros((len(angle), 3, 3))
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    found[:, axis, axis] = 1
-    found[:, one, one] = found[:, other, other] = np.cos(angle)
-    found[:, other, one] = np.sin(angle)
-    found[:, one, other] = -found[:, other, one]
-    return found
+    return _about(np.eye(3)[axis], angle)
 
 
 def shoulder(angle: Array) -> Array:

@@ -115,19 +115,19 @@ def newton(x: Array, of: Problem, a: Array, miss: Array) -> Array:
     """Returns the step of Newton's method; unknowns that stay at their bound do not move."""
     lever, cost = of.lever, of.cost
     axes, muscles = lever.shape
-    slope, hessian = -miss, cost.softness * np.eye(axes)
+    step, hessian = -miss, cost.softness * np.eye(axes)
     for m in range(muscles):
         if of.low[m] < a[m] < of.high[m]:
-            yielding = 1.0 / (cost.square + 2.0 * cost.cubic * a[m])
+            slope = 1.0 / (cost.square + 2.0 * cost.cubic * a[m])
             for k in range(axes):
                 for i in range(axes):
-                    hessian[k, i] += yielding * lever[k, m] * lever[i, m]
+                    hessian[k, i] += slope * lever[k, m] * lever[i, m]
     for k in range(of.equal, axes):
         if x[k] <= 0.0 and miss[k] > 0.0:
             hessian[k, :], hessian[:, k] = 0.0, 0.0
-            slope[k], hessian[k, k] = 0.0, 1.0
-    slope[:] = np.linalg.solve(hessian, slope)
-    return slope
+            step[k], hessian[k, k] = 0.0, 1.0
+    step[:] = np.linalg.solve(hessian, step)
+    return step
 
 
 @inner

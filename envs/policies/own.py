@@ -18,15 +18,12 @@ class OwnPolicy:
         name: Name of the policy.
         motors: Number of motors.
         make: The user's class or function.
-        *given: Its arguments.
-        **options: Its options.
+        *given: Arguments of the class or function.
+        **options: Options of the class or function.
 
     Attributes:
         policy: The policy that the user's code makes.
         practice: Number of rollouts in which it learns before it is scored.
-
-    Raises:
-        InputError: The user's code fails, or makes something that cannot act.
     """
 
     def __init__(

@@ -7,7 +7,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
@@ -194,8 +193,7 @@ def _arms_of(env: Any) -> ArmEnv | ArmVectorEnv:
     found = getattr(found, "arms", found)
     if hasattr(found, "envs"):  # DummyVecEnv
         found = found.envs[0]
-    if isinstance(found, gymnasium.Env | gymnasium.vector.VectorEnv):
-        found = found.unwrapped
+    found = getattr(found, "unwrapped", found)
     if not isinstance(found, ArmEnv | ArmVectorEnv):
         raise InputError(f"env is {shown(env)}: give the ActiveSuit environment of the training")
     return found

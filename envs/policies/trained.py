@@ -95,14 +95,7 @@ def check_portable(suit: Any) -> None:
 
 
 class TrainedPolicy:
-    """Takes the mean action of a trained network, by NumPy alone.
-
-    Args:
-        card: Card of the policy.
-        network: Its network.
-        plant: What the policy may know of the arms.
-        name: Name or folder of the policy, for messages.
-    """
+    """Takes the mean action of a trained network, by NumPy alone; messages have the name."""
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
         trained, here = card.observation, observed(plant)
