@@ -15,50 +15,29 @@ from ..own_code import imported
 from ..plant import Plant
 from ..setup import USUAL
 from ..vector_env import ArmVectorEnv
-from .adaptive import Adaptive, IterativeLearning
+from . import adaptive, model_based, observers, predictive, trained
 from .base import Policy
 from .guard import Guard
-from .model_based import (
-    Compensation,
-    Complement,
-    GravityCompensation,
-    HysteresisFeedforward,
-    Impedance,
-    NoAssist,
-    Oracle,
-    Transparent,
-)
 from .network import Card, Network, Residual, read_card, read_network
-from .observers import CorrectedCompensation, DisturbanceObserver, ObserverAssist
 from .own import OwnPolicy
-from .predictive import PredictiveSampling
 from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
 from .spec import AnyPolicy, PolicySpec, parsed, typed
-from .trained import (
-    OBSERVATION,
-    TrainedPolicy,
-    check_portable,
-    environment_of,
-    folder_of,
-    portable,
-    shipped_policies,
-)
 
 POLICIES: dict[str, Callable[..., Policy]] = {
-    "none": NoAssist,
-    "transparent": Transparent,
-    "gravity": GravityCompensation,
-    "feedforward": HysteresisFeedforward,
-    "complement": Complement,
-    "compensation": Compensation,
-    "adaptive": Adaptive,
-    "iterative": IterativeLearning,
-    "predictive": PredictiveSampling,
-    "impedance": Impedance,
-    "corrected": CorrectedCompensation,
-    "observer": ObserverAssist,
-    "disturbance-observer": DisturbanceObserver,
-    "oracle": Oracle,
+    "none": model_based.NoAssist,
+    "transparent": model_based.Transparent,
+    "gravity": model_based.GravityCompensation,
+    "feedforward": model_based.HysteresisFeedforward,
+    "complement": model_based.Complement,
+    "compensation": model_based.Compensation,
+    "adaptive": adaptive.Adaptive,
+    "iterative": adaptive.IterativeLearning,
+    "predictive": predictive.PredictiveSampling,
+    "impedance": model_based.Impedance,
+    "corrected": observers.CorrectedCompensation,
+    "observer": observers.ObserverAssist,
+    "disturbance-observer": observers.DisturbanceObserver,
+    "oracle": model_based.Oracle,
 }
 _EXAMPLES = {  # policies of version 0.2 that are examples of a class of one's own
     "admittance": "admittance:Admittance",
@@ -98,7 +77,7 @@ class PolicyKind:
     @classmethod
     def of(cls, name: str, beside: Sequence[str] = ()) -> "PolicyKind":
         """Returns the kind of a name; a message about unknown ones has the names `beside` too."""
-        if name not in POLICIES and (folder := folder_of(name)):
+        if name not in POLICIES and (folder := trained.folder_of(name)):
             return cls(name=name, folder=folder)
         maker = POLICIES.get(name) or _own_maker(name, beside)
         try:
@@ -129,8 +108,8 @@ class PolicyKind:
     def needs(self) -> dict[str, Any]:
         """Options of an environment in which the policy can act; see `needed_options`."""
         if self.maker is None:
-            found = environment_of(self.folder)
-            return {part: found.get(part, USUAL[part]) for part in OBSERVATION}
+            found = trained.environment_of(self.folder)
+            return {part: found.get(part, USUAL[part]) for part in trained.OBSERVATION}
         sensors = getattr(self.maker, "sensors", None)
         return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 
@@ -143,8 +122,9 @@ def _own_maker(name: str, beside: Sequence[str]) -> Callable[..., Policy]:
             f"examples.controllers.{_EXAMPLES[name]} in a clone of the source repository"
         )
     if not name.partition(":")[2]:
+        known = (*POLICIES, *trained.shipped_policies(), *beside)
         other = ("the folder of a training run", "package.module:Class")
-        raise unknown_name("policy", name, (*POLICIES, *shipped_policies(), *beside, *other))
+        raise unknown_name("policy", name, (*known, *other))
     found: Callable[..., Policy] = imported("policy", name, "class")
     if not callable(found):
         raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
@@ -234,10 +214,10 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
 
 def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Policy:
     """Returns the policy of a network and its card, by NumPy alone; messages have the name."""
-    trained = TrainedPolicy(card, network, plant, name)
+    policy = trained.TrainedPolicy(card, network, plant, name)
     if card.residual is None:
-        return trained
-    return ResidualPolicy(make_policy(base_of(card.residual), plant), trained, card.residual.scale)
+        return policy
+    return ResidualPolicy(make_policy(base_of(card.residual), plant), policy, card.residual.scale)
 
 
 def residual_of(given: AnyPolicy, scale: float) -> Residual:
@@ -248,7 +228,7 @@ def residual_of(given: AnyPolicy, scale: float) -> Residual:
     within("residual scale", scale, LEAST_SCALE, MOST_SCALE)
     options = dict(spec.options)
     if isinstance(options.get("suit"), str):
-        options["suit"] = portable(options["suit"])
+        options["suit"] = trained.portable(options["suit"])
     return Residual(policy={"name": spec.name, **options}, scale=scale)
 
 
@@ -257,7 +237,7 @@ def base_of(residual: Residual) -> PolicySpec:
     name = residual.policy.get("name")
     if name not in POLICIES:
         raise unknown_name("policy that a network corrects", str(name), POLICIES)
-    check_portable(residual.policy.get("suit"))
+    trained.check_portable(residual.policy.get("suit"))
     return policy_spec(residual.policy)
 
 
