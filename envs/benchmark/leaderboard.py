@@ -171,7 +171,7 @@ def _level_rows(standings: Standings, level: str) -> Rows:
 
 
 def _sensors(policy: str) -> str:
-    """Returns the sensor suites that a policy needs, by its label; nothing if they are not known.
+    """Returns the sensor suites that a policy needs, by its label; a dash if they are not known.
 
     Those of a class of a user's own are known where it has run; results of others import nothing.
     """
@@ -182,7 +182,7 @@ def _sensors(policy: str) -> str:
     own = getattr(sys.modules.get(name), attribute.partition(":")[0], None)
     sensors = getattr(POLICIES.get(name, own), "sensors", None)
     known = isinstance(sensors, list | tuple) and all(isinstance(one, str) for one in sensors)
-    return ", ".join(sensors) if known and sensors else ""
+    return ", ".join(sensors) if known and sensors else "-"
 
 
 def _contract_remarks(standings: Standings) -> Iterator[str]:
