@@ -8,12 +8,12 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from ..arrays import Array
-from ..envs.benchmark.suite import BELIEVED, Setting
+from ..envs.benchmark.suites import BELIEVED, Setting
 from ..envs.evaluation import FIRST_SEED, REFERENCES
 from ..envs.evaluation.best_known_plan import clairvoyant
-from ..envs.evaluation.core import run
+from ..envs.evaluation.relief import relief
+from ..envs.evaluation.run import run
 from ..envs.evaluation.scores import score
-from ..envs.evaluation.statistics import relief
 from ..envs.evaluation.wearers import ArmLost, Wearers
 from ..envs.policies.model_based import Planned
 from ..scripts.output import progress

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..envs.evaluation import FIRST_SEED
-from ..envs.evaluation.core import run
+from ..envs.evaluation.run import run
 from ..envs.plant import Plant
 from ..envs.tasks import TASKS
 from ..scripts.output import progress

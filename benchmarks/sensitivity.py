@@ -8,11 +8,11 @@ import numpy as np
 from scipy.stats import kendalltau
 
 from ..assets import load_suit
-from ..envs.benchmark.suite import task_of_suite
+from ..envs.benchmark.suites import SUITE_TASKS
 from ..envs.evaluation import FIRST_SEED, REFERENCES
-from ..envs.evaluation.core import run
+from ..envs.evaluation.relief import relief_interval
+from ..envs.evaluation.run import run
 from ..envs.evaluation.scores import Score
-from ..envs.evaluation.statistics import relief_interval
 from ..envs.model import ASSISTED, Exo
 from ..envs.person import VoluntaryControl
 from ..envs.policies import policy_spec
@@ -110,7 +110,7 @@ def sensitivity(motions: int = MOTIONS) -> list[Case]:
 def _scores(task: str, gravity: str, motions: int, options: dict[str, Any]) -> Scores:
     """Returns the scores of references and policies in the motions of the benchmark."""
     env, seeds = f"ActiveSuit/{task}-v0", range(FIRST_SEED, FIRST_SEED + motions)
-    place = {"task": task_of_suite(task), "suit": SUIT, "gravity": gravity, "threads": 0}
+    place = {"task": SUITE_TASKS[task], "suit": SUIT, "gravity": gravity, "threads": 0}
     given = {name: name for name in REFERENCES} | {name: policy_spec(name) for name in POLICIES}
     return {
         name: run(name, one, env, seeds, **{**place, **options}).score

@@ -29,7 +29,8 @@ import numpy as np
 import tyro
 from activesuit.arrays import Array
 from activesuit.envs.evaluation import FIRST_SEED, Interval, Trace, evaluate, rollout, score
-from activesuit.envs.evaluation.statistics import mean_interval, relief_interval
+from activesuit.envs.evaluation.relief import relief_interval
+from activesuit.envs.evaluation.statistics import mean_interval
 from activesuit.envs.evaluation.wearers import Wearers
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options

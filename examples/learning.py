@@ -41,8 +41,8 @@ from typing import NamedTuple
 import numpy as np
 import tyro
 from activesuit.envs.evaluation import FIRST_SEED, REFERENCES
-from activesuit.envs.evaluation.core import run
-from activesuit.envs.evaluation.statistics import relief
+from activesuit.envs.evaluation.relief import relief
+from activesuit.envs.evaluation.run import run
 from activesuit.envs.evaluation.wearers import ArmLost
 from activesuit.envs.policies import policy_spec
 from activesuit.errors import unknown_name

@@ -26,9 +26,9 @@ from typing import Any
 import cma
 import numpy as np
 import tyro
-from activesuit.envs.benchmark.suite import Setting
+from activesuit.envs.benchmark.suites import Setting
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.evaluation.core import run
+from activesuit.envs.evaluation.run import run
 from activesuit.envs.evaluation.wearers import ArmLost
 from activesuit.envs.policies import PolicySpec, policy_spec
 from activesuit.errors import InputError, unknown_name

@@ -17,7 +17,7 @@ from ..envs.model.config import place_of
 from ..envs.person import Person
 from ..envs.policies import POLICIES, PolicySpec, needed_options, policy_spec
 from ..envs.policies.network import CARD
-from ..envs.policies.registry import is_saved
+from ..envs.policies.spec import is_saved
 from ..envs.policies.trained import OBSERVATION, environment_of
 from ..envs.setup import OF_ARM
 from ..envs.tasks import TASKS

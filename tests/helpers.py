@@ -5,7 +5,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from importlib import import_module
 from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
@@ -152,10 +151,11 @@ def shorten_tasks(
 @contextmanager
 def short_benchmark(duration: float) -> Iterator[None]:
     """Makes the motions of the benchmark as long as that [s]."""
-    suite = import_module("activesuit.envs.benchmark.suite")  # where a function has that name, too
+    from activesuit.envs.benchmark.suites import SUITE_TASKS
+
     with pytest.MonkeyPatch.context() as patch:
         shorten_tasks(patch, duration)
-        shorten_tasks(patch, duration, suite._TASKS)
+        shorten_tasks(patch, duration, SUITE_TASKS)
         yield
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..envs.benchmark.suite import Setting
+from ..envs.benchmark.suites import Setting
 from ..envs.evaluation import REFERENCES
 from ..tables import markdown_table
 from .measure import kept

@@ -7,7 +7,7 @@ Further results, of `activesuit benchmark run`, are merged into those that are c
 import sys
 from pathlib import Path
 
-from ..envs.benchmark import Benchmark
+from ..envs.benchmark import Leaderboard
 from ..envs.benchmark.results import lines, read_results
 from ..files import write_text
 
@@ -19,7 +19,7 @@ TITLE = "# Leaderboard"
 
 def leaderboard(results: Path = RESULTS) -> str:
     """Returns the page of a file of results."""
-    return Benchmark(read_results([results])).page(TITLE, f"figures/{FIGURE.name}")
+    return Leaderboard(read_results([results])).page(TITLE, f"figures/{FIGURE.name}")
 
 
 def main() -> None:
@@ -29,7 +29,7 @@ def main() -> None:
     found = read_results([*kept, *given])
     write_text(RESULTS, lines(found))
     write_text(PAGE, leaderboard())
-    Benchmark(found).plots()["profiles"].figure().savefig(FIGURE, dpi=110)
+    Leaderboard(found).plots()["profiles"].figure().savefig(FIGURE, dpi=110)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import kendalltau
 
-from ..envs.benchmark.suite import BELIEVED, Setting
+from ..envs.benchmark.suites import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
 from .learners import LEARNERS, kept_learner
 from .measure import MUSCLE_SETTINGS, kept

@@ -1,13 +1,13 @@
 """The benchmark of controllers: suites of tasks, levels and suits, their trials and tables."""
 
-from .report import Benchmark
+from .leaderboard import Leaderboard
 from .results import Result, read_results, run_trial
-from .suite import BASELINE, SUITES, Setting, Suite, Trial, suite
+from .suites import BASELINE, SUITES, Setting, Suite, Trial, suite
 
 __all__ = [
     "BASELINE",
     "SUITES",
-    "Benchmark",
+    "Leaderboard",
     "Result",
     "Setting",
     "Suite",

@@ -22,13 +22,13 @@ from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
-from ..evaluation.core import run
 from ..evaluation.reasons import Frequent, most_frequent
 from ..evaluation.rollout import Trace
+from ..evaluation.run import run
 from ..extras import SCORES, STANDARD
 from ..levels import LEVELS
 from ..tasks import TASKS
-from .suite import Suite, Trial
+from .suites import Suite, Trial
 
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
@@ -108,11 +108,7 @@ class Result:
 
     @classmethod
     def from_json(cls, text: str, name: str) -> "Result":
-        """Returns the result that `to_json` wrote.
-
-        Raises:
-            InputError: The text is no such result; the message begins with `name`.
-        """
+        """Returns the result that `to_json` wrote; messages about bad text begin with `name`."""
         try:
             found = _RESULT.validate_python(parse_json(text, name, fix="delete it"))
         except ValidationError as error:
@@ -122,9 +118,9 @@ class Result:
             raise InputError(
                 f"{name} is no result of the benchmark ({reason}): delete it"
             ) from None
-        for what, known in (("task", TASKS), ("level", LEVELS)):
-            if getattr(found, what) not in known:
-                raise InputError(f"{name} has the {what} {shown(getattr(found, what))}: delete it")
+        for what, one, known in (("task", found.task, TASKS), ("level", found.level, LEVELS)):
+            if one not in known:
+                raise InputError(f"{name} has the {what} {shown(one)}: delete it")
         if len({len(getattr(found, series)) for series in SERIES}) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
         said, motions = found.protocol.get("episodes"), len(found.effort)
@@ -149,16 +145,10 @@ def lines(results: Iterable[Result]) -> str:
 
 
 def read_results(paths: Sequence[Path]) -> list[Result]:
-    """Reads and merges results of several runs.
-
-    Args:
-        paths: Files of results, or folders of runs that have one.
-
-    Raises:
-        InputError: A file cannot be read or is none, two files have different results of the same
-            trial, or results have different contracts and cannot be compared.
+    """Reads and merges results of several runs: files of results, or folders that have one.
 
     A trial that was run several times, with other scores of extras, counts once, with all of them.
+    Results of different contracts cannot be compared, and are refused.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""
@@ -175,7 +165,9 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
                 )
             key = (result.task, result.level, result.believed, result.policy)
             known, first = found.get(key, (result, str(path)))
-            if not _agree(known, result):
+            both = known.extra.keys() & result.extra.keys()
+            alike = all(known.extra[name] == result.extra[name] for name in both)
+            if not alike or replace(known, extra={}) != replace(result, extra={}):
                 raise InputError(
                     f"{str(path)!r} and {first!r} have different results of "
                     f"{result.policy} in {result.task} at {result.level}: leave one of them out"
@@ -186,13 +178,6 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
             "there are no results: give a file or folder of `activesuit benchmark run`"
         )
     return [result for result, _ in found.values()]
-
-
-def _agree(one: Result, other: Result) -> bool:
-    """Returns whether two results are of one trial, whichever scores of extras they have."""
-    both = set(one.extra).intersection(other.extra)
-    same = all(one.extra[name] == other.extra[name] for name in both)
-    return same and replace(one, extra={}) == replace(other, extra={})
 
 
 def read_text(path: Path, what: str = "results") -> str:
@@ -206,19 +191,10 @@ def read_text(path: Path, what: str = "results") -> str:
 def run_trial(suite: Suite, trial: Trial) -> Result:
     """Runs one policy on all motions of a setting, with adapted wearers, on one thread.
 
-    Args:
-        suite: What the benchmark runs.
-        trial: One of its trials.
-
-    Returns:
-        The result; where the policy cannot act, every motion of it is failed, and why is said.
-
-    Raises:
-        InputError: The suite has the score of an extra that is missing.
+    Where the policy cannot act, every motion is failed, and the result says why.
     """
-    episodes = suite.motions_of(trial.policy)
+    episodes, name = suite.motions_of(trial.policy), trial.policy.name
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
-    name = trial.policy.name
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
     found: dict[str, Any] = {"failed": None}
     try:
@@ -228,7 +204,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         found = dict.fromkeys(SIZES, (math.inf,) * episodes)
         found |= {"success": (False,) * episodes, "failed": str(error)}
     else:
-        found |= {size: _rounded(getattr(score, size)) for size in SIZES}
+        found |= {size: tuple(map(_rounded, getattr(score, size))) for size in SIZES}
         found |= {"success": score.success, "why": most_frequent(score.why)}
         found["extra"] = {extra: _scored(extra, traces) for extra in suite.scores}
     return Result(
@@ -257,12 +233,9 @@ def _plain(value: Any) -> Any:
         return {name: _plain(one) for name, one in value.items()}
     if isinstance(value, tuple):
         return [_plain(one) for one in value]
-    return _rounded([value])[0] if math.isfinite(value) else None
+    return _rounded(value) if math.isfinite(value) else None
 
 
-def _rounded(values: Sequence[float]) -> tuple[float, ...]:
-    """Returns values as they are kept; infinite ones in place of NaN."""
-    return tuple(
-        math.inf if math.isnan(value) else float(f"{round(value, SMALLEST):.{DIGITS}g}")
-        for value in values
-    )
+def _rounded(value: float) -> float:
+    """Returns a value as it is kept; an infinite one in place of NaN."""
+    return math.inf if math.isnan(value) else float(f"{round(value, SMALLEST):.{DIGITS}g}")

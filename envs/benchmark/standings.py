@@ -17,19 +17,18 @@ from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
 from ..evaluation.extra_scores import Cost
+from ..evaluation.relief import LEAST_COST, relief
 from ..evaluation.statistics import (
     FEWEST_RUNS,
-    LEAST_COST,
     Interval,
     difference_interval,
     interquartile_mean,
     interquartile_mean_interval,
-    relief,
 )
 from ..extras import STANDARD
 from ..levels import LEVELS
 from .results import SERIES, Result
-from .suite import BASELINE, Setting, where
+from .suites import BASELINE, Setting, where
 
 BOUND = BOUNDS[1]
 FIXED = (*REFERENCES, BOUND)
@@ -37,12 +36,7 @@ MARGIN = 0.02  # difference of relief below which two policies are alike
 
 
 class Measure(NamedTuple):
-    """What a motion costs the wearer, in a number that relief can be of.
-
-    Attributes:
-        series: Function that returns the cost of each motion of a result; None if it has none.
-        least: Cost of a suit for relief to have a meaning.
-    """
+    """A cost of the motions of a result, or None, and the least cost of a suit with a relief."""
 
     series: Callable[[Result], Sequence[float] | None]
     least: float = LEAST_COST
@@ -89,25 +83,25 @@ class Standings:
     """Results, arranged by setting and policy.
 
     Args:
-        results: Results of one contract.
+        results: Results of one contract, such as `read_results` returns.
 
     Attributes:
+        results: The results.
         policies: Names of the policies, references and bound, in their order.
         levels: Names of the levels.
         settings: All settings.
         protocol: How the first result came about.
-        count: Number of results.
     """
 
     def __init__(self, results: Sequence[Result]) -> None:
-        self._found: dict[Setting, dict[str, Result]] = {}
+        self.results, self._found = [*results], dict[Setting, dict[str, Result]]()
         for one in results:
             setting = Setting(one.task, one.level, one.believed)
             self._found.setdefault(setting, {})[one.policy] = one
         for setting in self._found:
             self._improve_bound(setting)
         self.settings = list(self._found)
-        self.protocol, self.count = results[0].protocol, len(results)
+        self.protocol = results[0].protocol
         self.policies = list(dict.fromkeys(one.policy for one in results))
         self.levels = [level for level in LEVELS if any(one.level == level for one in results)]
 
@@ -124,7 +118,7 @@ class Standings:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
         Args:
-            setting: Where.
+            setting: Setting of the policy.
             policy: Name of the policy.
             motions: Number of the first motions that count; by default all that the policy ran.
             of: Cost that the relief is of.
@@ -141,30 +135,34 @@ class Standings:
         """Returns how a policy stands over some settings."""
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
-        reliefs = {s: relief for s in settings if (relief := self.relief(s, policy)) is not None}
-        assisted = [self.relief(s, policy, of=ASSISTED) for s in settings]
-        means = {s: float(np.mean(relief)) for s, relief in reliefs.items()}
-        worst = min(means, key=lambda s: means[s]) if means else None
+        reliefs, assisted = (self.reliefs(settings, policy, of) for of in (EFFORT, ASSISTED))
+        means = [(float(np.mean(one)), setting) for setting, one in reliefs.items()]
         pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
         gains = [np.subtract(*pair) for pair in pairs if pair is not None]
         compared = None
         if gains:
             gain = np.concatenate(gains)
-            shares = (gain > MARGIN, np.abs(gain) <= MARGIN, gain < -MARGIN)
-            better, alike, worse = (float(np.mean(share)) for share in shares)
-            compared = better, alike, worse
+            better, worse = float(np.mean(gain > MARGIN)), float(np.mean(gain < -MARGIN))
+            compared = better, float(np.mean(np.abs(gain) <= MARGIN)), worse
         return Standing(
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
-            relief=over_motions(list(reliefs.values())),
-            assisted=over_motions([one for one in assisted if one is not None]),
+            relief=over_motions(reliefs.values()),
+            assisted=over_motions(assisted.values()),
             over_tasks=_over_tasks(reliefs),
             mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
-            worst=None if worst is None else (means[worst], worst),
+            worst=min(means, key=lambda pair: pair[0], default=None),
             gain=over_motions(gains),
             compared=compared,
             failed=sum(one.failed is not None for one in mine),
         )
+
+    def reliefs(
+        self, settings: Iterable[Setting], policy: str, of: Measure
+    ) -> dict[Setting, Array]:
+        """Returns relief by motion in those settings where it has a meaning."""
+        found = {setting: self.relief(setting, policy, of=of) for setting in settings}
+        return {setting: one for setting, one in found.items() if one is not None}
 
     def settings_at(self, level: str) -> list[Setting]:
         """Returns the settings of a level."""
@@ -182,11 +180,13 @@ class Standings:
         """
         settings = self.settings_at(level)
         found = [self.standing(policy, settings) for policy in self.policies_at(level)]
-        ranked = sorted(
-            (one for one in found if one.policy not in FIXED),
-            key=lambda one: (-one.relief.value if one.relief else np.inf, one.policy),
-        )
-        return [one for one in found if one.policy in FIXED] + ranked
+
+        def rank(one: Standing) -> tuple[float, str]:
+            if one.policy in FIXED:
+                return -np.inf, ""
+            return -one.relief.value if one.relief else np.inf, one.policy
+
+        return sorted(found, key=rank)
 
     def difference(self, setting: Setting, one: str, other: str) -> Interval | None:
         """Returns the paired difference of relief, one less other; None where there is none."""
@@ -199,18 +199,12 @@ class Standings:
         return difference_interval(*pair)
 
     def profile(self, policy: str, level: str, thresholds: Array) -> Array:
-        """Returns the share of motions with at least each relief, the mean over tasks.
+        """Returns the share of motions with at least each relief, shape (k,), the mean over tasks.
 
-        Args:
-            policy: Name of the policy.
-            level: Name of the level.
-            thresholds: Reliefs, shape (k,).
-
-        Returns:
-            Shares, shape (k,), as in the performance profiles of Agarwal et al. (2021).
+        It is a performance profile as in Agarwal et al. (2021).
         """
-        reliefs = [self.relief(s, policy) for s in self.settings_at(level)]
-        shares = [np.mean(r[:, None] >= thresholds, axis=0) for r in reliefs if r is not None]
+        reliefs = self.reliefs(self.settings_at(level), policy, EFFORT).values()
+        shares = [np.mean(one[:, None] >= thresholds, axis=0) for one in reliefs]
         return np.mean(shares, axis=0) if shares else np.full(thresholds.shape, np.nan)
 
     def _improve_bound(self, setting: Setting) -> None:
@@ -222,14 +216,9 @@ class Standings:
         bound = self._found[setting].get(BOUND)
         if bound is None:
             return
-        rivals = [
-            one
-            for place, results in self._found.items()
-            for name, one in results.items()
-            if where(place) == setting and name not in FIXED
-        ]
         best = [bound] * len(bound.effort)
-        for rival in rivals:
+        alike = [of for place, of in self._found.items() if where(place) == setting]
+        for rival in (one for of in alike for name, one in of.items() if name not in FIXED):
             for i in range(min(len(best), len(rival.effort))):
                 if rival.success[i] and rival.effort[i] < best[i].effort[i]:
                     best[i] = rival
@@ -246,17 +235,18 @@ class Standings:
         return None if mine is None or theirs is None else (mine, theirs)
 
 
-def over_motions(values: Sequence[Array]) -> Interval | None:
-    """Returns the interquartile mean of all values, and what other motions would tell.
+def over_motions(values: Iterable[Array]) -> Interval | None:
+    """Returns the interquartile mean of the values of settings, and what other motions would tell.
 
-    Args:
-        values: Values of each setting, shape (motions,); the first ones of all count.
+    None without any setting.
     """
+    values = [*values]
     return _clustered(aligned(values)) if values else None
 
 
-def aligned(values: Sequence[Array]) -> Array:
+def aligned(values: Iterable[Array]) -> Array:
     """Returns the first values of each setting, as many as all have, shape (motions, settings)."""
+    values = [*values]
     motions = min(one.size for one in values)
     return np.array([one[:motions] for one in values]).T
 
@@ -275,7 +265,7 @@ def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:
 def _clustered(values: Array) -> Interval:
     """Returns the interquartile mean of values, shape (clusters, size), with its interval.
 
-    It has no limits where a policy failed or there are too few clusters.
+    The interval has no limits where a policy failed or there are too few clusters.
     """
     if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
         return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)
@@ -287,42 +277,38 @@ def cost_over(
 ) -> Cost | None:
     """Returns what settings cost under a policy; None where no trial has the cost.
 
-    Args:
-        standings: Results of the benchmark.
-        policy: Name of the policy.
-        settings: The settings.
-        measures: The cost under each convention.
+    The measures are the cost under each convention.
     """
     settings = list(settings)
     mine = [one for s in settings if (one := standings.of(s, policy)) is not None]
     costs = [one for result in mine if (one := measures[STANDARD].series(result)) is not None]
     if not costs or all(one.failed for one in mine):
         return None
-    reliefs: dict[str, dict[Setting, Array]] = {}
-    for convention, measure in measures.items():
-        found = {s: standings.relief(s, policy, of=measure) for s in settings}
-        reliefs[convention] = {s: one for s, one in found.items() if one is not None}
-    standard = reliefs[STANDARD]
-    between = None
+    reliefs = {
+        convention: standings.reliefs(settings, policy, measure)
+        for convention, measure in measures.items()
+    }
+    standard, between = reliefs[STANDARD], None
     if standard and all(one.keys() == standard.keys() for one in reliefs.values()):
-        means = [interquartile_mean(aligned([*one.values()]).ravel()) for one in reliefs.values()]
+        means = [interquartile_mean(aligned(one.values()).ravel()) for one in reliefs.values()]
         between = float(min(means)), float(max(means))
     mean = float(np.mean(np.concatenate(costs)))
-    return Cost(mean, over_motions([*standard.values()]), between)
+    return Cost(mean, over_motions(standard.values()), between)
 
 
 def measures_of(
     results: Sequence[Result], score: str, cost: str, least: float
 ) -> dict[str, Measure]:
     """Returns a cost of a score as measures, by each convention that results have."""
-    costs = [one.extra.get(score, {}).get("costs", {}).get(cost, {}) for one in results]
-    conventions = dict.fromkeys((STANDARD, *(name for one in costs for name in one)))
-    return {name: Measure(partial(_series, score, cost, name), least) for name in conventions}
 
+    def kept(result: Result) -> Mapping[str, Sequence[float | None]]:
+        return result.extra.get(score, {}).get("costs", {}).get(cost, {})
 
-def _series(score: str, cost: str, convention: str, result: Result) -> Sequence[float] | None:
-    """Returns the cost of each motion; None where the result does not have it."""
-    if result.failed is not None:
-        return (math.inf,) * len(result.effort)
-    kept = result.extra.get(score, {}).get("costs", {}).get(cost, {}).get(convention)
-    return None if kept is None else [math.inf if one is None else one for one in kept]
+    def series(convention: str, result: Result) -> Sequence[float] | None:
+        if result.failed is not None:
+            return (math.inf,) * len(result.effort)
+        found = kept(result).get(convention)
+        return None if found is None else [math.inf if one is None else one for one in found]
+
+    conventions = dict.fromkeys((STANDARD, *(name for one in results for name in kept(one))))
+    return {name: Measure(partial(series, name), least) for name in conventions}

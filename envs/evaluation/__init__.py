@@ -2,8 +2,8 @@
 
 from .best_known_plan import BOUNDS
 from .compare import Evaluation, evaluate
-from .core import FIRST_SEED
 from .rollout import Trace, rollout
+from .run import FIRST_SEED
 from .scores import REFERENCES, Score, score
 from .statistics import Interval
 from .suit_validation import SuitValidation, validate

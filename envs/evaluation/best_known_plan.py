@@ -54,9 +54,9 @@ def clairvoyant(
     """
     planner = _Planner(wearers)
     samples, assisted = planner.samples, planner.assisted
-    commands = planner.commands(np.zeros((len(seeds), samples, len(ASSISTED))))
     no_torque = np.zeros((len(seeds), samples, len(JOINTS)))
-    wanted = np.zeros((len(seeds), samples, len(ASSISTED)))
+    wanted = no_torque[..., : len(ASSISTED)]
+    commands = planner.commands(wanted)
     for _ in range(GUIDED):
         traces = wearers.guided(Planned(commands), seeds, no_torque)
         if suit_only:
@@ -169,22 +169,29 @@ class _Planner:
         return found
 
     def commands(self, wanted: Array) -> Array:
-        """Returns commands over the motors' peaks for torques [N·m], shape (rows, samples, 2)."""
-        return inverted(self.given(wanted), self._gain, self._peak) / self._peak
+        """Returns commands over the motors' peaks for torques [N·m], shape (rows, samples, 2).
+
+        After the commands, lagging motors give what is wanted, as far as their peaks allow. The
+        motors begin at the first command.
+        """
+        wanted, gain, peak = self.given(wanted), self._gain, self._peak
+        given = np.clip(wanted[:, 0], -peak, peak)
+        commands = np.empty_like(wanted[:, 1:])
+        for i in range(commands.shape[1]):
+            command = (wanted[:, i + 1] - (1 - gain) * given) / gain if i else wanted[:, 0]
+            commands[:, i] = np.clip(command, -peak, peak)
+            given = given + gain * (commands[:, i] - given)
+        return commands / peak
 
 
 def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
-    """Returns the torque nearest to what is wanted among those that a motor can give.
+    """Returns the torque nearest to the wanted one [N·m] among those that a motor can give.
 
-    None is above its peak, and its heat, the running mean square, never above the continuous torque
-    squared. Least squares are missing where the torque is wanted / (1 + scarcity), and scarcity is
-    a sum of the prices of heat at later times, each remembered as heat is. Prices that maximize the
-    dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the heat is below its limit.
-
-    Args:
-        wanted: Torque at every sample [N·m], shape (samples,).
-        motor: The motor.
-        dt: Control period [s].
+    No torque is above the peak, and the heat, the running mean square, never above the continuous
+    torque squared. The missing squares are least where the torque is wanted / (1 + scarcity), and
+    scarcity is a sum of the prices of heat at later times, each remembered as heat is. Prices that
+    maximize the dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the heat is
+    below its limit. Torques are at every sample, shape (samples,).
     """
     from scipy.optimize import Bounds, minimize  # slow to import
     from scipy.signal import lfilter
@@ -212,23 +219,3 @@ def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
     how = {"jac": True, "method": "L-BFGS-B", "options": {"ftol": 1e-12, "maxcor": 30}}
     found = minimize(dual, np.zeros_like(wanted), bounds=Bounds(0, np.inf), **how)
     return given(scarcity(found.x))
-
-
-def inverted(wanted: Array, gain: Array, peak: Array) -> Array:
-    """Returns commands after which lagging motors give what is wanted, as far as their peak allows.
-
-    Args:
-        wanted: Torque at every sample [N·m], shape (rows, samples, 2).
-        gain: Share of a change that a motor follows in one control period, shape (2,).
-        peak: Peak torque of each motor [N·m], shape (2,).
-
-    Returns:
-        The commands [N·m], shape (rows, samples - 1, 2); the motors begin at the first one.
-    """
-    given = np.clip(wanted[:, 0], -peak, peak)
-    commands = np.empty_like(wanted[:, 1:])
-    for i in range(commands.shape[1]):
-        command = (wanted[:, i + 1] - (1 - gain) * given) / gain if i else wanted[:, 0]
-        commands[:, i] = np.clip(command, -peak, peak)
-        given = given + gain * (commands[:, i] - given)
-    return commands

@@ -16,12 +16,14 @@ from ..extras import SCORES, Scored
 from ..making import make_arms
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
-from . import extra_scores
+from . import extra_scores, figures, report
+from . import sentences as say
 from .best_known_plan import BOUNDS
-from .core import FIRST_SEED, Make, Run, Runnable, run
+from .relief import relief_interval
 from .rollout import Trace
+from .run import FIRST_SEED, Make, Run, Runnable, run
 from .scores import REFERENCES, UNADAPTED, Score, root_mean_square, score
-from .statistics import Interval, ratio_interval, relief_interval, suit_cost
+from .statistics import Interval, mean_interval, ratio_interval
 
 OnPolicy = Callable[[str, list[Trace]], None]
 Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
@@ -41,8 +43,8 @@ class Evaluation:
 
     scores: Mapping[str, Score]
     adapted: bool
-    traces: Mapping[str, list[Trace]] = field(default_factory=dict, repr=False)
-    first_seed: int = FIRST_SEED
+    traces: Mapping[str, list[Trace]] = field(repr=False)
+    first_seed: int
     extras: Mapping[str, Mapping[str, Scored]] = field(default_factory=dict, repr=False)
 
     @property
@@ -50,19 +52,13 @@ class Evaluation:
         """Effort that the suit costs: suited less unsuited; None without references."""
         if any(name not in self.scores for name in REFERENCES):
             return None
-        return suit_cost(*(self.scores[name].effort for name in REFERENCES))
+        unsuited, suited = map(self._effort, REFERENCES)
+        return mean_interval(suited - unsuited)
 
     def relief(self, policy: str) -> Interval | None:
-        """Returns the share of the suit's cost that a policy gives back.
+        """Returns the relief of a policy, reference or bound; see `evaluation.relief`.
 
-        0 is no better than leaving the exoskeleton at home, 1 moves as without a suit.
-
-        Args:
-            policy: Name of a policy, reference or bound.
-
-        Returns:
-            Relief with its 95 % interval; None without references, or where the suit costs less
-            than 1 % of strength.
+        None without references, or where the suit costs less than 1 % of strength.
         """
         return self._relief(policy, "effort")
 
@@ -74,9 +70,8 @@ class Evaluation:
         self._check(policy)
         if any(name not in self.scores for name in REFERENCES):
             return None
-        return relief_interval(
-            *(getattr(self.scores[one], effort) for one in (*REFERENCES, policy))
-        )
+        names = (*REFERENCES, policy)
+        return relief_interval(*(getattr(self.scores[name], effort) for name in names))
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
         """Returns the relief of a policy less that of another, motion by motion; None likewise."""
@@ -110,32 +105,20 @@ class Evaluation:
         """Returns everything as plain values."""
         cost, found = self.suit_cost, {}
         for name, one in self.scores.items():
-            intervals = {
-                "relief": self.relief(name),
-                "assisted_relief": self.assisted_relief(name),
-                "share_of_bound": self.share_of_bound(name),
-            }
-            found[name] = one.to_dict() | {
-                of: one and one.to_dict() for of, one in intervals.items()
-            }
+            found[name] = one.to_dict()
+            for what in ("relief", "assisted_relief", "share_of_bound"):
+                interval: Interval | None = getattr(self, what)(name)
+                found[name][what] = interval and interval.to_dict()
             for extra, scored in self.extras.items():
                 costs = self._costs[extra][name]
                 found[name][extra] = extra_scores.plain(extra, scored[name], costs)
         return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
 
     def tables(self, place: str = "") -> dict[str, Rows]:
-        """Returns tables by title: scores with relief, the cost of a motion, medians of units.
-
-        Args:
-            place: What was simulated, for the title.
-        """
-        from . import report
-
-        scores, references = [*self.scores.values()], self.suit_cost is not None
+        """Returns tables by title: scores with relief, the cost of a motion, medians of units."""
+        scores, related = [*self.scores.values()], None if self.suit_cost is None else self
         tables = {
-            f"Scores: {place}" if place else "Scores": report.score_table(
-                scores, self if references else None
-            ),
+            f"Scores: {place}" if place else "Scores": report.score_table(scores, related),
             "Cost per motion": report.effort_table(scores),
             "Units of effort, medians": report.units_table(scores),
         }
@@ -146,8 +129,6 @@ class Evaluation:
 
     def sentences(self) -> list[str]:
         """Returns what suit and policies cost and give back, why motions failed, and limits."""
-        from . import sentences as say
-
         scores = [*self.scores.values()]
         found = [*say.story(self), *say.why_remarks(scores), *say.cuff_remarks(scores)]
         found += say.guard_remarks(scores)
@@ -157,25 +138,20 @@ class Evaluation:
 
     def plots(self) -> dict[str, Plot]:
         """Returns figures by name: the reliefs, and the first motion of each policy."""
-        from . import figures
-
         relief = figures.relief_plot(self)
         return ({} if relief is None else {"relief": relief}) | figures.motion_plots(self.first())
 
     def pictures(self) -> dict[str, Any]:
         """Returns drawings of the scores of extras, by name."""
-        found = {}
-        for name, scored in self.extras.items():
-            draw = SCORES.find(name).figure
-            if draw is not None:
-                policies = extra_scores.drawn_policies(name, scored)
-                found[f"score-{name}"] = draw(self.first(policies))
-        return found
+        draws = {name: SCORES.find(name).figure for name in self.extras}
+        return {
+            f"score-{name}": draw(self.first(extra_scores.drawn_policies(name, self.extras[name])))
+            for name, draw in draws.items()
+            if draw is not None
+        }
 
     def columns(self) -> dict[str, Any]:
         """Returns columns of CSV files by name: every score, and the first motions over time."""
-        from . import report
-
         return {
             "motions.csv": report.score_columns([*self.scores.values()], self.first_seed),
             "traces.csv": report.trace_columns(self.first()),
@@ -221,9 +197,9 @@ def evaluate(
         **env_options: Options of the environment (`suit`, `gravity`, ...).
 
     Raises:
-        InputError: An environment or policy is unknown, `motions` is below 1, a policy of your own
-            is not a function or makes something that cannot act, references are asked for where
-            there is no suit, or a policy ends episodes, so that no wearer can settle.
+        InputError: References are asked for where there is no suit, a policy of your own makes
+            something that cannot act or ends episodes, so that no wearer can adapt, or an argument
+            is unknown or outside its range.
     """
     named = named_policies(policies)
     at_least("motions", motions, 1)
@@ -249,9 +225,8 @@ def evaluate(
             "given back, so name a suit or use references=False"
         )
     scale, found = None, {}
-    order = [*reversed(REFERENCES)] if references else []
-    order += sorted(named, key=lambda name: name == BOUNDS[1])  # the best known plan last
-    for name in order:
+    first = reversed(REFERENCES) if references else ()
+    for name in (*first, *sorted(named, key=lambda name: name == BOUNDS[1])):  # that bound last
         one = run(
             *(name, named.get(name, name), env_id, range(seed, seed + motions)),
             **{**env_options, "adapted": adapted, "unadapted": True, "effort_scale": scale},
@@ -284,16 +259,9 @@ def _scored(
 def check_policy(
     env_id: str, policy: AnyPolicy, scores: Sequence[str] = (), **env_options: Any
 ) -> None:
-    """Makes one arm and a policy, so that mistakes are known before anything moves.
+    """Makes one arm and a policy or bound, so that mistakes are known before anything moves.
 
-    Args:
-        env_id: Id of a registered environment.
-        policy: Policy, or the name of a bound.
-        scores: Names of scores of extras that the motions shall have.
-        **env_options: Options of the environment.
-
-    Raises:
-        InputError: The environment or the policy cannot be made, or a score cannot be had.
+    Scores of extras, by their names, are asked whether they can score its motions.
     """
     needed = {} if policy in BOUNDS else needed_options(policy)
     arms = make_arms(env_id, 1, **{**env_options, **needed})
@@ -327,18 +295,17 @@ def named_policies(policies: Policies) -> dict[str, Runnable]:
     if not isinstance(policies, Mapping | Sequence):
         raise InputError(f"policies is {shown(policies)}: give a list of names, such as ['none']")
     named: dict[str, Runnable] = {}
-    if isinstance(policies, Mapping):
-        named |= {name: _checked(name, given) for name, given in policies.items()}
-    else:
-        for given in policies:
-            found = _checked(None, given)
-            name = getattr(found, "__name__", repr(found)) if callable(found) else str(found)
-            if name in named:
-                raise InputError(
-                    f"two policies are named {name!r}: name each one once, or give a dict of your "
-                    "own names"
-                )
-            named[name] = found
+    given_by = policies.items() if isinstance(policies, Mapping) else ((None, p) for p in policies)
+    for label, given in given_by:
+        found = _checked(label, given)
+        usual = getattr(found, "__name__", repr(found)) if callable(found) else str(found)
+        name = usual if label is None else label
+        if name in named:
+            raise InputError(
+                f"two policies are named {name!r}: name each one once, or give a dict of your "
+                "own names"
+            )
+        named[name] = found
     if not named:
         raise InputError("no policy given: name at least one")
     for name, given in named.items():

@@ -7,8 +7,9 @@ import numpy as np
 
 from ...tables import Rows
 from ..extras import SCORES, STANDARD, Scored
+from .relief import relief_interval
 from .scores import REFERENCES
-from .statistics import Interval, interval_text, relief_interval
+from .statistics import Interval, interval_text
 
 Facts = Mapping[str, Any]
 
@@ -38,7 +39,7 @@ def cost_of(scored: Mapping[str, Scored], policy: str, cost: str, least: float) 
 
     Args:
         scored: Scores of all policies.
-        policy: Name of one of them.
+        policy: Name of a policy.
         cost: Name of the cost.
         least: Cost of a suit for relief to have a meaning.
     """
@@ -94,9 +95,7 @@ def cost_remarks(name: str, scored: Mapping[str, Scored], costs: Costs) -> Itera
 def limit_remarks(name: str, facts: Mapping[str, Facts]) -> Iterator[str]:
     """Yields sentences: what limits the numbers, where most, and in how many cases.
 
-    Args:
-        name: Name of the score.
-        facts: Facts of the score by case, which is a policy, or a policy in a setting.
+    The facts are by case, which is a policy, or a policy in a setting.
     """
     for limit, (least, sentence) in SCORES.find(name).limits.items():
         known = {place: one.get(limit) for place, one in facts.items()}
@@ -110,10 +109,7 @@ def limit_remarks(name: str, facts: Mapping[str, Facts]) -> Iterator[str]:
 def cost_table(name: str, costs: Costs, facts: Mapping[str, Sequence[Facts]]) -> Rows:
     """Returns a row per policy: each cost, its relief, the range of that, and facts by name.
 
-    Args:
-        name: Name of the score.
-        costs: Costs of the policies.
-        facts: Facts of each policy, one for each setting.
+    The facts of a policy are one for each setting.
     """
     score = SCORES.find(name)
     every = [pair for some in facts.values() for one in some for pair in one.items()]
@@ -138,8 +134,8 @@ def _cells(cost: Cost | None) -> list[str]:
 
 def _greatest(facts: Sequence[Facts], name: str, count: int) -> str:
     """Returns the greatest numbers of a fact by name, each the greatest of all settings."""
-    named = [one[name] for one in facts if isinstance(one.get(name), dict)]
-    pairs = [pair for one in named for pair in one.items()]
+    named = (one[name] for one in facts if isinstance(one.get(name), dict))
+    pairs = (pair for one in named for pair in one.items())
     most = dict(sorted(pairs, key=lambda pair: pair[1]))
     order = sorted(most, key=lambda label: -most[label])[:count]
     return "\n".join(f"{label} {most[label]:.2g}" for label in order) or "-"

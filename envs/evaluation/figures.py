@@ -18,23 +18,20 @@ if TYPE_CHECKING:
     from .compare import Evaluation
 
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
-_AT = ASSISTED_COLUMNS
 TITLES = [joint.replace("_", " ") for joint in ASSISTED]
 HEAT = "motor load [% of continuous]"
 Traces = Mapping[str, Trace]
 
 
 def motion_plots(traces: Traces, place: str = "") -> dict[str, Plot]:
-    """Returns all figures of motions, by the names of their files.
-
-    Args:
-        traces: Motions by the name of the policy.
-        place: What was simulated, for the titles.
-    """
+    """Returns all figures of motions by policy, by the names of their files; `place` for titles."""
+    human = {name: one.human_torque[:, ASSISTED_COLUMNS] for name, one in traces.items()}
+    suit = {name: one.suit_torque[:, ASSISTED_COLUMNS] for name, one in traces.items()}
+    assist = {name: one.assist_torque for name, one in traces.items()}
     torques = {
-        "human torque [N·m]": {name: one.human_torque[:, _AT] for name, one in traces.items()},
-        "suit torque [N·m]": {name: one.suit_torque[:, _AT] for name, one in traces.items()},
-        "assist torque [N·m]": {name: one.assist_torque for name, one in traces.items()},
+        "human torque [N·m]": human,
+        "suit torque [N·m]": suit,
+        "assist torque [N·m]": assist,
     }
     plots = {
         "trajectory": trajectory_plot(traces),
@@ -51,9 +48,8 @@ def motion_plots(traces: Traces, place: str = "") -> dict[str, Plot]:
 
 def trajectory_plot(traces: Traces) -> Plot:
     """Returns intended and actual angles of the assisted joints over time, a line per policy."""
-    first = next(iter(traces.values()))
-    panels = []
-    for title, at in zip(TITLES, _AT, strict=True):
+    first, panels = next(iter(traces.values())), []
+    for title, at in zip(TITLES, ASSISTED_COLUMNS, strict=True):
         marks: list[Mark] = [Line(first.time, first.target_angle[:, at], "intended", width=4)]
         marks += [Line(one.time, one.angle[:, at], name) for name, one in traces.items()]
         panels.append(Panel(x="time [s]", y=f"{title} [rad]", marks=marks, least=LEAST_HEIGHT))
@@ -62,15 +58,12 @@ def trajectory_plot(traces: Traces) -> Plot:
 
 def motion_loops_plot(traces: Traces) -> Plot:
     """Returns suit resistance and human torque over the joint angle, a line per policy."""
+    resistance = {name: (one.angle, -one.suit_torque) for name, one in traces.items()}
+    human = {name: (one.angle, one.human_torque) for name, one in traces.items()}
     panels = []
-    labels = {"suit_torque": "suit resistance", "human_torque": "human torque"}
-    for series, label in labels.items():
-        sign = -1 if series == "suit_torque" else 1
-        for title, at in zip(TITLES, _AT, strict=True):
-            marks = [
-                Line(one.angle[:, at], sign * getattr(one, series)[:, at], name, width=1)
-                for name, one in traces.items()
-            ]
+    for label, loops in (("suit resistance", resistance), ("human torque", human)):
+        for title, at in zip(TITLES, ASSISTED_COLUMNS, strict=True):
+            marks = [Line(x[:, at], y[:, at], name, width=1) for name, (x, y) in loops.items()]
             panels.append(Panel(x="angle [rad]", y=f"{label} [N·m]", marks=marks, title=title))
     return Plot(title="Torques over angle", panels=panels, columns=len(ASSISTED))
 
@@ -81,26 +74,23 @@ def strain_plot(traces: Traces) -> Plot:
     That is effort over time, the strength of the weaker muscles, the fatigued part of the more
     fatigued ones where muscles tire, and the motors' heat where there are motors.
     """
-    rows: dict[str, dict[str, Array]] = {"effort [% of strength]": {}, "strength [N·m]": {}}
-    rows |= {"fatigued [%]": {}, HEAT: {}}
-    effort, strength, fatigued, heat = rows.values()
-    for name, one in traces.items():
-        effort[name] = 100 * one.effort[:, _AT]
-        strength[name] = one.strength.min(axis=1)[:, _AT]
-        if one.fatigue is not None:
-            fatigued[name] = 100 * one.fatigue.max(axis=1)[:, _AT]
-        if one.motor_load is not None:
-            heat[name] = 100 * one.motor_load
+    at, of = ASSISTED_COLUMNS, traces.items()
+    rows: dict[str, dict[str, Array]] = {
+        "effort [% of strength]": {name: 100 * one.effort[:, at] for name, one in of},
+        "strength [N·m]": {name: one.strength.min(axis=1)[:, at] for name, one in of},
+        "fatigued [%]": {
+            name: 100 * one.fatigue.max(axis=1)[:, at]
+            for name, one in of
+            if one.fatigue is not None
+        },
+        HEAT: {name: 100 * one.motor_load for name, one in of if one.motor_load is not None},
+    }
     shown = {label: row for label, row in rows.items() if row}
     return _over_time("Effort, fatigue and heat", traces, shown, height=2.4, from_zero=True)
 
 
 def cuff_forces_plot(traces: Traces) -> Plot:
-    """Returns the forces of the cuffs over time, and the largest ones that a person should bear.
-
-    Args:
-        traces: Motions with cuffs, by the name of the policy.
-    """
+    """Returns the forces of the cuffs over time, and the largest ones that a person should bear."""
     panels = []
     for i, (segment, limit) in enumerate(FORCE_LIMITS.items()):
         marks = [

@@ -78,20 +78,17 @@ def reasons(measured: Array, costs: Array, task: Task, *, lost: bool) -> tuple[R
         task: The task.
         lost: Whether the arm was lost at the end.
     """
-    found = []
+    found, times = [], measured[:, COLUMNS["time"].start]
     for limit in failed(costs[-1], len(costs), task, ended=lost):
         course = _course(limit.name, costs)
         at = int(np.argmax(~(course <= limit.value)))
-        part = _part(limit.name, measured, costs, at)
-        time = float(measured[at, COLUMNS["time"].start])
-        value = float(course[-1])
-        swing = None
+        part, swing = _part(limit.name, measured, costs, at), None
         if limit.name == "worst_joint" and part is not None and len(measured) > 1:
-            seen = (measured[:, COLUMNS[name]] for name in ("time", "angle", "target_angle"))
-            times, angle, intended = seen
+            angle, intended = (measured[:, COLUMNS[name]] for name in ("angle", "target_angle"))
             error = (angle - intended)[:, JOINTS.index(part)]
-            swing = oscillation(error, intended, float(times[1, 0] - times[0, 0]))
-        found.append(Reason(limit.name, value, limit.value, limit.unit, time, part, swing))
+            swing = oscillation(error, intended, float(times[1] - times[0]))
+        sizes = float(course[-1]), limit.value, limit.unit, float(times[at])
+        found.append(Reason(limit.name, *sizes, part, swing))
     return tuple(found)
 
 
@@ -107,22 +104,21 @@ def _course(cost: str, costs: Array) -> Array:
 
 def _part(cost: str, measured: Array, costs: Array, at: int) -> str | None:
     """Returns the joint, motor or cuff that exceeds a limit at a control period."""
-
-    def column(name: str) -> Array:
-        return measured[:, COLUMNS[name]]
-
+    names, now = JOINTS, {name: measured[at, place] for name, place in COLUMNS.items()}
     if cost == "worst_joint":
-        return JOINTS[int(np.argmax(costs[-1, JOINT:WIDTH]))]
-    if cost == "effort":
-        return JOINTS[int(np.argmax(np.square(column("effort")).mean(axis=0)))]
-    if cost == "lost":
-        return JOINTS[int(np.argmax(np.abs(column("angle") - column("target_angle"))[at]))]
-    if cost == "heat":
-        return ASSISTED[int(np.argmax(column("motor_load")[at]))]
-    if cost == "cuff_force":
-        force = np.linalg.norm(column("cuff_force")[at].reshape(3, 3), axis=1)
-        return tuple(CUFFS)[int(np.argmax(force / LIMITS))]
-    return None
+        sizes = costs[-1, JOINT:WIDTH]
+    elif cost == "effort":
+        sizes = np.square(measured[:, COLUMNS["effort"]]).mean(axis=0)
+    elif cost == "lost":
+        sizes = np.abs(now["angle"] - now["target_angle"])
+    elif cost == "heat":
+        names, sizes = ASSISTED, now["motor_load"]
+    elif cost == "cuff_force":
+        force = np.linalg.norm(now["cuff_force"].reshape(3, 3), axis=1)
+        names, sizes = tuple(CUFFS), force / LIMITS
+    else:
+        return None
+    return names[int(np.argmax(sizes))]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,27 +135,22 @@ class Frequent(Reason):
 
 
 def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
-    """Returns the limits that motions exceeded, the most frequent one first.
-
-    Args:
-        why: Reasons of each motion.
-    """
+    """Returns the limits that motions exceeded by their reasons, the most frequent one first."""
     by_name: dict[str, list[Reason]] = {}
     for one in (reason for motion in why for reason in motion):
         by_name.setdefault(one.name, []).append(one)
     found = []
-    for name, same in by_name.items():
-        value, time = (
-            float(np.median([getattr(r, of) for r in same])) for of in ("value", "time_s")
-        )
+    for same in by_name.values():
+        value, time = np.median([(one.value, one.time_s) for one in same], axis=0)
         parts = [one.part for one in same]
         swings = [one.oscillation for one in same if one.oscillation is not None]
         swing = None
         if 2 * len(swings) > len(same):
             pairs = [(one.period_s, one.amplitude) for one in swings]
             swing = Oscillation(*map(float, np.median(pairs, axis=0)))
-        common = (same[0].limit, same[0].unit, time, max(parts, key=parts.count), swing)
-        found.append(Frequent(name, value, *common, motions=len(same)))
+        common = {**vars(same[0]), "value": float(value), "time_s": float(time)}
+        common |= {"part": max(parts, key=parts.count), "oscillation": swing}
+        found.append(Frequent(**common, motions=len(same)))
     return tuple(sorted(found, key=lambda one: -one.motions))
 
 

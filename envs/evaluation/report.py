@@ -33,9 +33,7 @@ EFFORT = {
 def score_table(scores: Sequence[Score], evaluation: "Evaluation | None" = None) -> Rows:
     """Returns one row per policy: effort, relief, torque by joint, tracking and success.
 
-    Args:
-        scores: Scores of the policies.
-        evaluation: Evaluation that they are from, if it has references.
+    The relief is known where the evaluation of the scores is given, and has references.
     """
     header = ["policy", "effort\n[%]"]
     if evaluation is not None:
@@ -127,9 +125,6 @@ def trace_columns(traces: Mapping[str, Trace]) -> Columns:
 
     Effort, fatigue and the load of a motor are shares of strength, of the muscles, and of the
     continuous torque. A cell is empty where muscles do not tire, or where there are no motors.
-
-    Args:
-        traces: Motions by the name of their policy.
     """
     found = {policy: _series(trace) for policy, trace in traces.items()}
     header = list(dict.fromkeys(name for series in found.values() for name in series))

@@ -1,7 +1,8 @@
 """Runs policies in closed loop, and keeps what happened."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
@@ -19,12 +20,8 @@ from ..tasks.task import ROUNDING, Limit
 from ..vector_env import ArmVectorEnv
 from .reasons import Reason, reasons
 
-SERIES = (
-    *("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque"),
-    "effort",
-)
+SERIES = ("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque", "effort")
 SOME = {"cuff_force": (3, 3), "fatigue": (2, 4), "motor_load": (2,)}  # what some arms lack
-
 FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 
 
@@ -107,8 +104,9 @@ class Trace:
         """Share of time in which each motor gave its peak torque."""
         if self.peak_torque is None:
             return ()
-        full = np.abs(self.assist_torque) >= FULL * self.peak_torque
-        return tuple(map(float, full.mean(axis=0)))
+        return tuple(
+            np.mean(np.abs(self.assist_torque) >= FULL * self.peak_torque, axis=0).tolist()
+        )
 
 
 def rollout(
@@ -117,7 +115,6 @@ def rollout(
     seeds: Sequence[int],
     *,
     learned: Mapping[str, Array] | None = None,
-    on_step: Callable[[int], None] = lambda _: None,
 ) -> list[Trace]:
     """Runs one whole episode in every row, all under one policy.
 
@@ -127,13 +124,9 @@ def rollout(
         seeds: Seed of each row; the row's episode is the first of that seed.
         learned: What the wearers have learned [N·m], shape (rows, samples, 4) each, as options of a
             reset, for arms that were made with learned_torque=True.
-        on_step: Function that is called before every control period with its number, from 0.
 
     Returns:
-        The episode of every row; one that is lost ends earlier than the others.
-
-    Raises:
-        InputError: The rows have another `autoreset_mode` than "NextStep", or are staggered.
+        The episode of every row; an episode in which the arm is lost ends early.
     """
     if arms.autoreset_mode is not AutoresetMode.NEXT_STEP or arms.staggered:
         raise InputError(
@@ -143,11 +136,9 @@ def rollout(
     observation, _ = arms.reset(seed=list(seeds), options=dict(learned or {}))
     policy.reset()
     measured, rewards, courses = [], [], []
-    guarded = np.zeros(len(seeds), np.int64)
-    ends = np.zeros(len(seeds), np.int64)  # control periods of finished episodes
+    guarded, ends = np.zeros((2, len(seeds)), np.int64)  # control periods
     failed = np.zeros(len(seeds), np.bool_)
     while (ends == 0).any():
-        on_step(len(rewards))
         observation, reward, terminated, truncated, _ = arms.step(policy.act(observation))
         measured.append(arms.measured())
         rewards.append(reward)
@@ -161,20 +152,17 @@ def rollout(
     state, found = simulation.state, []
     for row, end in enumerate(ends.tolist()):
         now = series[:end, row]
-        force, fatigue, load = (
-            now[:, COLUMNS[name]].reshape(end, *shape) if name in simulation.columns else None
-            for name, shape in SOME.items()
-        )
-        angle = now[:, COLUMNS["angle"]]
+        columns: dict[str, Any] = {name: now[:, COLUMNS[name]] for name in SERIES}
+        for name, shape in SOME.items():
+            present = name in simulation.columns
+            columns[name] = now[:, COLUMNS[name]].reshape(end, *shape) if present else None
+        strength, angle = state.muscles.strength[row], columns["angle"]
         arm = simulation.arm_of(int(state.conditions.wearer[row]))
         trace = Trace(
+            **columns,
             time=now[:, COLUMNS["time"].start],
-            **{name: now[:, COLUMNS[name]] for name in SERIES},
-            cuff_force=force,
-            fatigue=fatigue,
-            motor_load=load,
             hand=arm.in_world(angle),
-            strength=strength_left(state.muscles.strength[row], angle, fatigue),
+            strength=strength_left(strength, angle, columns["fatigue"]),
             peak_torque=simulation.addresses.peak_torque if episodes.motors else None,
             assist_energy=float(now[-1, COLUMNS["assist_energy"].start]),
             rewards=returns[:end, row],
@@ -192,15 +180,12 @@ def rollout(
 
 
 def strength_left(strength: Array, angle: Array, fatigue: Array | None) -> Array:
-    """Returns what the extensors and the flexors of each joint could give at rest [N·m].
+    """Returns what the extensors and the flexors of each joint could give at rest [N·m], (n, 2, 4).
 
     Args:
         strength: The wearer's strength, as `isometric_strength` has it.
         angle: Joint angles [rad], shape (n, 4).
         fatigue: Fatigued part of the muscles, shape (n, 2, 4); None where they do not tire.
-
-    Returns:
-        The torques, shape (n, 2, 4).
     """
     low, high = strength_limits(strength, angle, np.zeros_like(angle))
     left = np.stack([-low, high], axis=1)

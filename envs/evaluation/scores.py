@@ -126,18 +126,17 @@ UNITS: dict[str, Any] = {
 
 
 def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ()) -> Score:
-    """Summarizes the motions of one policy.
-
-    Args:
-        policy: Name of the policy.
-        traces: Motions, one per episode.
-        unadapted: The same motions of wearers who have learned nothing.
-    """
+    """Summarizes the motions of a policy, and the same of wearers who have learned nothing."""
     human = np.concatenate([trace.human_torque for trace in traces])
     error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
 
     def each(of: Callable[[Trace], Any], motions: Sequence[Trace] = traces) -> Values:
         return tuple(float(of(trace)) for trace in motions)
+
+    def each_of(joints: Sequence[str], of: Callable[[Trace], Any]) -> dict[str, Values]:
+        """Returns the values of all motions by joint; nothing if a motion has none."""
+        columns = zip(*map(of, traces), strict=True)
+        return {joint: tuple(map(float, one)) for joint, one in zip(joints, columns, strict=False)}
 
     def effort(trace: Trace) -> float:
         return root_mean_square(trace.effort)
@@ -149,10 +148,7 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
         policy=policy,
         effort=each(effort),
         assisted_effort=each(lambda one: root_mean_square(one.effort[:, _ASSISTED])),
-        torque={
-            joint: each(lambda one, at=at: root_mean_square(one.human_torque[:, at]))
-            for at, joint in enumerate(JOINTS)
-        },
+        torque=each_of(JOINTS, lambda one: map(root_mean_square, one.human_torque.T)),
         peak=_by_joint(np.abs(human).max(axis=0)),
         tracking=each(tracking),
         tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
@@ -167,16 +163,16 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
         success=tuple(trace.success for trace in traces),
         why=tuple(trace.why for trace in traces),
         limits=traces[0].limits,
-        hot_from=_each(ASSISTED, [trace.hot_from for trace in traces]),
-        saturated=_each(ASSISTED, [trace.saturated for trace in traces]),
-        fatigued=_each(
-            JOINTS, [() if one.fatigue is None else one.fatigue[-1].max(axis=0) for one in traces]
+        hot_from=each_of(ASSISTED, lambda one: one.hot_from),
+        saturated=each_of(ASSISTED, lambda one: one.saturated),
+        fatigued=each_of(
+            JOINTS, lambda one: () if one.fatigue is None else one.fatigue[-1].max(axis=0)
         ),
-        strength_left=_each(JOINTS, [one.strength.min(axis=(0, 1)) for one in traces]),
+        strength_left=each_of(JOINTS, lambda one: one.strength.min(axis=(0, 1))),
         costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
         load=_load(traces),
         cuff_peak=_cuff_peak(traces),
-        assist_energy=tuple(trace.assist_energy for trace in traces),
+        assist_energy=each(lambda one: one.assist_energy),
         failures=sum(trace.terminated for trace in traces),
         guarded=tuple(one.guarded / len(one.time) for one in traces if one.guarded is not None),
         unadapted_effort=each(effort, unadapted),
@@ -191,21 +187,17 @@ def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:
         for trace in traces
         if len(trace.time) > 2
     ]
+
+    def mean(name: str, column: int) -> float:
+        return float(np.mean([getattr(one, name)[column] for one in found])) if found else np.nan
+
     names = [field.name for field in fields(EffortMetrics) if field.name not in ("rms", "peak")]
-    return {
-        joint: {
-            name: float(np.mean([getattr(one, name)[column] for one in found])) if found else np.nan
-            for name in names
-        }
-        for column, joint in enumerate(JOINTS)
-    }
+    return {joint: {name: mean(name, i) for name in names} for i, joint in enumerate(JOINTS)}
 
 
 def _endurance(trace: Trace) -> float:
     loads = np.minimum(trace.effort.mean(axis=0), 1.0)
-    return min(
-        float(endurance_time(load, joint)) for joint, load in zip(JOINTS, loads, strict=True)
-    )
+    return min(map(float, map(endurance_time, loads, JOINTS)))
 
 
 def _smoothness(trace: Trace) -> float:
@@ -221,18 +213,12 @@ def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:
     if not forces:
         return None
     peak = np.linalg.norm(np.concatenate(forces), axis=-1).max(axis=0)
-    return dict(zip(CUFFS, map(float, peak), strict=True))
+    return dict(zip(CUFFS, peak.tolist(), strict=True))
 
 
 def root_mean_square(values: Array | Values) -> float:
     """Returns the root mean square of some values."""
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def _each(joints: Sequence[str], rows: Sequence[Sequence[float] | Array]) -> dict[str, Values]:
-    """Returns the values of all motions by joint; nothing if a motion has none."""
-    columns = zip(*rows, strict=True)
-    return {joint: tuple(map(float, one)) for joint, one in zip(joints, columns, strict=False)}
 
 
 def _by_joint(values: Array) -> dict[str, float]:

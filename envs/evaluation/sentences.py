@@ -17,24 +17,17 @@ if TYPE_CHECKING:
 SIDEWAYS = "shoulder_abduction"
 NOTED = 1.0  # [N·m], additional torque of abduction that is named
 LEAST = 0.01  # share of time at the peak torque that is worth a word
-# Words for a limit, the factor of its numbers, and their unit.
+# Words for a limit, the factor of its numbers, their unit, and the limit's name in a sentence; only
+# limits with such a name can be exceeded by an arm without motors.
 _WORDS = {
-    "worst_joint": ("{part}", 1e3, "mrad"),
-    "effort": ("effort", 100, "%"),
-    "hand_error": ("hand", 1e3, "mm"),
-    "tilt": ("tilt of the hand", 1e3, "mrad"),
-    "slowness": ("hand too slow by", 100, "%"),
-    "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears"),
-    "heat": ("load of the {part} motor", 100, "% of continuous"),
-}
-# Limits that an arm without motors can exceed, in a sentence.
-_UNASSISTED = {
-    "worst_joint": "tracking",
-    "effort": "effort",
-    "hand_error": "the hand's place",
-    "tilt": "the hand's tilt",
-    "slowness": "the hand's speed",
-    "lost": "the arm's range",
+    "worst_joint": ("{part}", 1e3, "mrad", "tracking"),
+    "effort": ("effort", 100, "%", "effort"),
+    "hand_error": ("hand", 1e3, "mm", "the hand's place"),
+    "tilt": ("tilt of the hand", 1e3, "mrad", "the hand's tilt"),
+    "slowness": ("hand too slow by", 100, "%", "the hand's speed"),
+    "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears", None),
+    "heat": ("load of the {part} motor", 100, "% of continuous", None),
+    "lost": ("arm lost", 1, "", "the arm's range"),
 }
 
 
@@ -65,12 +58,12 @@ def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 def _kept_unassisted(score: Score, suited: Score) -> list[str]:
     """Returns words for the limits that the suited arm keeps in all motions that exceed them."""
-    exceeded: dict[str, list[bool]] = {}
-    for mine, theirs in zip(score.why, suited.why, strict=True):
-        for reason in mine:
-            also = any(one.name == reason.name for one in theirs)
-            exceeded.setdefault(reason.name, []).append(also)
-    return [words for name, words in _UNASSISTED.items() if not any(exceeded.get(name, [True]))]
+    mine, both = set[str](), set[str]()
+    for why, theirs in zip(score.why, suited.why, strict=True):
+        names = {reason.name for reason in why}
+        mine |= names
+        both |= names & {reason.name for reason in theirs}
+    return [named for name, (*_, named) in _WORDS.items() if named and name in mine - both]
 
 
 def motions_text(count: int) -> str:
@@ -83,7 +76,7 @@ def exceeded(why: Frequent) -> str:
     part = (why.part or "").removesuffix("_flexion").replace("_", " ")
     if why.name == "lost":
         return f"arm lost at {why.time_s:.1f} s ({part})"
-    words, factor, unit = _WORDS[why.name]
+    words, factor, unit, _ = _WORDS[why.name]
     size = f"{_number(factor * why.value)} {unit} of {_number(factor * why.limit)}"
     said = f"{words.format(part=part)} {size} from {why.time_s:.1f} s"
     if why.oscillation is None:
@@ -114,18 +107,15 @@ def story(evaluation: "Evaluation") -> Iterator[str]:
     cost = evaluation.suit_cost
     if cost is None:
         return
-    suited = evaluation.scores["suited"]
-    unsuited, in_suit = (
-        100 * float(np.mean(evaluation.scores[name].effort)) for name in ("unsuited", "suited")
-    )
+    unsuited, suited = (100 * float(np.mean(evaluation.scores[name].effort)) for name in REFERENCES)
     yield (
         f"The suit {'raises' if cost.value > 0 else 'lowers'} the wearer's effort from "
-        f"{unsuited:.1f} to {in_suit:.1f} % of strength, a change of {100 * cost.value:.1f} "
+        f"{unsuited:.1f} to {suited:.1f} % of strength, a change of {100 * cost.value:.1f} "
         f"({100 * cost.low:.1f} to {100 * cost.high:.1f}) points."
     )
     off = evaluation.scores.get("none")
     if off is not None:
-        change = 100 * (np.mean(off.effort) - np.mean(suited.effort))
+        change = 100 * float(np.mean(off.effort)) - suited
         relief = evaluation.relief("none")
         remark = "" if relief is None else f": relief {interval_text(relief)}"
         yield f"The exoskeleton with its motors off adds {change:.1f} points{remark}."
@@ -140,42 +130,37 @@ def story(evaluation: "Evaluation") -> Iterator[str]:
 
 def _abduction(evaluation: "Evaluation") -> Iterator[str]:
     """Yields what the wearer's shoulder carries because no motor turns it aside."""
-    suited = evaluation.scores["suited"].human_rms[SIDEWAYS]
-    others = {
-        name: score.human_rms[SIDEWAYS]
-        for name, score in evaluation.scores.items()
-        if name not in REFERENCES
-    }
-    name = min(others, key=lambda one: others[one], default="")
-    if name and others[name] > suited + NOTED:
+    torque = {name: one.human_rms[SIDEWAYS] for name, one in evaluation.scores.items()}
+    suited = torque["suited"]
+    least = min((one for name, one in torque.items() if name not in REFERENCES), default=0.0)
+    if least > suited + NOTED:
         yield (
             f"The exoskeleton hangs beside the arm and no motor abducts it: under every policy the "
-            f"wearer gives {others[name]:.1f} N·m of abduction or more, and {suited:.1f} N·m "
+            f"wearer gives {least:.1f} N·m of abduction or more, and {suited:.1f} N·m "
             "without exoskeleton, one joint of the four that effort is the mean of."
         )
 
 
-def cuff_remarks(scores: Sequence[Score]) -> list[str]:
-    """Returns one sentence per policy with cuffs: the largest forces, and how much one can bear."""
-    return [
-        f"{score.policy}: cuff forces up to "
-        + ", ".join(
+def cuff_remarks(scores: Sequence[Score]) -> Iterator[str]:
+    """Yields a sentence for each policy with cuffs: the largest forces, and their limits."""
+    for score in scores:
+        forces = [
             f"{force:.0f} N ({segment.replace('_', ' ')}; at most {FORCE_LIMITS[segment]:.0f})"
-            for segment, force in score.cuff_peak.items()
-        )
-        for score in scores
-        if score.cuff_peak
-    ]
+            for segment, force in (score.cuff_peak or {}).items()
+        ]
+        if forces:
+            yield f"{score.policy}: cuff forces up to {', '.join(forces)}"
 
 
-def guard_remarks(scores: Sequence[Score]) -> list[str]:
-    """Returns one sentence per policy with a passivity guard: how much of the time it acted."""
-    return [
-        f"{score.policy}: the guard acted in {100 * fmean(score.guarded):.2g} % of the time, in "
-        f"at most {100 * max(score.guarded):.2g} % of a motion"
-        for score in scores
-        if score.guarded
-    ]
+def guard_remarks(scores: Sequence[Score]) -> Iterator[str]:
+    """Yields a sentence for each policy with a passivity guard: the share of time it acted."""
+    for score in scores:
+        if score.guarded:
+            mean, most = (100 * of(score.guarded) for of in (fmean, max))
+            yield (
+                f"{score.policy}: the guard acted in {mean:.2g} % of the time, in at most "
+                f"{most:.2g} % of a motion"
+            )
 
 
 def outcome(score: Score) -> str:

@@ -31,7 +31,6 @@ FEWEST_RESAMPLES = 200  # one lies beyond each end at the highest level
 LEVELS = 0.5, 0.99
 LEAST_ERROR = 0.2  # share of the data's standard error, for resamples that are nearly constant
 BLOCK = 2**20  # values of a series that are resampled at a time
-LEAST_COST = 0.01  # share of strength that a suit must cost for relief to have a meaning
 
 Estimate = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 Statistic = Callable[..., Any]
@@ -65,26 +64,14 @@ class Interval:
 
 
 def interval_text(one: Interval | None, form: str = "z.2f", *, lines: bool = False) -> str:
-    """Returns a value with its interval, or a dash.
-
-    Args:
-        one: The interval; None where there is none.
-        form: Format of its numbers.
-        lines: Whether the ends are on a line of their own, for narrow columns.
-    """
+    """Returns a value with its interval, whose ends may have a line of their own, or a dash."""
     if one is None:
         return "-"
     ends = f"{one.low:{form}} to {one.high:{form}}"
     return f"{one.value:{form}}" + (f"\n{ends}" if lines else f" ({ends})")
 
 
-def interval_of(
-    statistic: Statistic,
-    *series: ArrayLike,
-    level: float = 0.95,
-    resamples: int = 2000,
-    seed: int = 0,
-) -> Interval:
+def interval_of(statistic: Statistic, *series: ArrayLike, **options: Any) -> Interval:
     """Returns the bootstrap-t interval of a smooth function of means over motions.
 
     All series are resampled by the same motions, so that paired values stay paired. If all values
@@ -95,39 +82,25 @@ def interval_of(
         statistic: A function of one mean for each series that works on arrays element by element,
             such as `lambda over, under: over / under` for a ratio of sums.
         *series: Values by motion, each of shape (motions,).
-        level: How often the interval should hold the truth, 0.5 to 0.99.
-        resamples: Number of bootstrap resamples.
-        seed: Seed of the resamples; the same seed gives the same interval.
+        **options: The `level`, how often the interval should hold the truth, 0.5 to 0.99, by
+            default 0.95; the number of `resamples`, by default 2,000; and their `seed`.
     """
-    _check_options(level, resamples, seed)
     columns = _columns(**{f"series {i}": values for i, values in enumerate(series)})
 
     def estimate(index: NDArray[np.int64]) -> tuple[Array, Array]:
         return _jackknifed(statistic, [column[index] for column in columns])
 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return _bootstrap_t(estimate, columns[0].size, columns[0].size, level, resamples, seed)
+        return _bootstrap_t(estimate, columns[0].size, columns[0].size, **options)
 
 
 def mean_interval(values: ArrayLike, **options: Any) -> Interval:
-    """Returns the interval of a mean over motions.
-
-    Args:
-        values: Values by motion, shape (motions,).
-        **options: The `level`, `resamples` and `seed` of `interval_of`.
-    """
-    (values,) = _columns(values=values)
-    return interval_of(lambda mean: mean, values, **options)
+    """Returns the interval of a mean over motions, with the options of `interval_of`."""
+    return interval_of(lambda mean: mean, *_columns(values=values), **options)
 
 
 def difference_interval(one: ArrayLike, other: ArrayLike, **options: Any) -> Interval:
-    """Returns the interval of the mean of one - other on the same motions.
-
-    Args:
-        one: Values by motion, shape (motions,).
-        other: Values on the same motions, shape (motions,).
-        **options: The `level`, `resamples` and `seed` of `interval_of`.
-    """
+    """Returns the interval of the mean of one - other on the same motions, as `mean_interval`."""
     one, other = _columns(one=one, other=other)
     return mean_interval(one - other, **options)
 
@@ -136,12 +109,8 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
     """Returns the interval of sum(numerator) / sum(denominator) over the same motions.
 
     Where the sum of the denominators could as well be 0, which their own interval tells, the ratio
-    has no limits and the interval is infinite, as is that of Fieller (1954).
-
-    Args:
-        numerator: Values by motion, shape (motions,).
-        denominator: Values on the same motions, shape (motions,).
-        **options: The `level`, `resamples` and `seed` of `interval_of`.
+    has no limits and the interval is infinite, as is that of Fieller (1954). The options are those
+    of `interval_of`.
     """
     over, under = _columns(numerator=numerator, denominator=denominator)
     if under.mean() == 0:
@@ -150,51 +119,6 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
     if below.low <= 0 <= below.high:
         return Interval(float(over.mean() / under.mean()), -np.inf, np.inf)
     return interval_of(np.divide, over, under, **options)
-
-
-def suit_cost(unsuited: ArrayLike, suited: ArrayLike) -> Interval:
-    """Returns the effort that a suit costs: suited less unsuited, over strength.
-
-    Args:
-        unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
-        suited: Effort in the suit without exoskeleton, shape (motions,).
-    """
-    return mean_interval(np.subtract(suited, unsuited))
-
-
-def relief(
-    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
-) -> Array | None:
-    """Returns the relief of each motion: the share of the suit's cost that a policy gives back.
-
-    It is (E suited - E) over the mean cost of the suit in these motions, so that one in which the
-    suit costs nothing does not decide. 0 is no better than leaving the exoskeleton at home, 1 moves
-    as without a suit, more carries the person, and less than 0 is worse than no exoskeleton.
-
-    Args:
-        unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
-        suited: Effort in the suit without exoskeleton, shape (motions,).
-        effort: Effort under the policy in the first of these motions, shape (n,).
-        least: Cost of the suit for relief to have a meaning, by default 1 % of strength. Other
-            costs of the wearer than effort have another one.
-
-    Returns:
-        The reliefs, shape (n,); None where the suit costs less.
-    """
-    unsuited, suited, effort = (np.asarray(one, float) for one in (unsuited, suited, effort))
-    cost = suited - unsuited
-    if not least <= cost.mean() < np.inf:  # a reference that failed has infinite effort
-        return None
-    return (suited[: effort.size] - effort) / cost[: effort.size].mean()
-
-
-def relief_interval(
-    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
-) -> Interval | None:
-    """Returns the mean of `relief` with its 95 % interval, that of a ratio of means; or None."""
-    if relief(unsuited, suited, effort, least=least) is None:
-        return None
-    return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))
 
 
 def interquartile_mean(scores: ArrayLike) -> Array:
@@ -207,9 +131,7 @@ def interquartile_mean(scores: ArrayLike) -> Array:
     return ordered[..., cut : ordered.shape[-1] - cut].mean(axis=-1)
 
 
-def interquartile_mean_interval(
-    scores: ArrayLike, *, level: float = 0.95, resamples: int = 2000, seed: int = 0
-) -> Interval:
+def interquartile_mean_interval(scores: ArrayLike, **options: Any) -> Interval:
     """Returns the interval of the interquartile mean of all scores over other runs, or clusters.
 
     A run is one training. The scores of the benchmark in one motion, or in one task, are such a
@@ -223,23 +145,29 @@ def interquartile_mean_interval(
 
     Args:
         scores: Scores of shape (runs, episodes); an episode has the same motion in all runs.
-        level: How often the interval should hold the truth, 0.5 to 0.99.
-        resamples: Number of bootstrap resamples.
-        seed: Seed of the resamples; the same seed gives the same interval.
+        **options: The `level`, `resamples` and `seed` of `interval_of`.
     """
-    _check_options(level, resamples, seed)
-    rows = _rows("scores", scores)
+    rows = _rows(scores)
 
     def estimate(index: NDArray[np.int64]) -> tuple[Array, Array]:
         return _interquartile(rows[index])
 
-    return _bootstrap_t(estimate, rows.shape[0], rows.size, level, resamples, seed)
+    return _bootstrap_t(estimate, rows.shape[0], rows.size, **options)
 
 
 def _bootstrap_t(
-    estimate: Estimate, count: int, size: int, level: float, resamples: int, seed: int
+    estimate: Estimate,
+    count: int,
+    size: int,
+    *,
+    level: float = 0.95,
+    resamples: int = 2000,
+    seed: int = 0,
 ) -> Interval:
     """Returns the interval from an estimate and its error by resample of `count` units."""
+    within("level", level, *LEVELS)
+    at_least("resamples", resamples, FEWEST_RESAMPLES)
+    check_seed(seed)
     (value,), (error,) = estimate(np.arange(count)[None])
     value, error = float(value), float(error)
     if not (np.isfinite(value) and np.isfinite(error)):
@@ -258,14 +186,10 @@ def _bootstrap_t(
         ratios.append((values - value) / np.maximum(errors, LEAST_ERROR * error))
     ratio = np.concatenate(ratios)
     # A resample without a value counts against both ends.
-    lowest = np.sort(np.where(np.isnan(ratio), -np.inf, ratio))
-    highest = np.sort(np.where(np.isnan(ratio), np.inf, ratio))
+    lowest, highest = (np.sort(np.where(np.isnan(ratio), end, ratio)) for end in (-np.inf, np.inf))
     rank = int((resamples + 1) * (1 - level) / 2 + 1e-9)
-    return Interval(
-        value,
-        float(value - error * highest[resamples - rank]),
-        float(value - error * lowest[rank - 1]),
-    )
+    ends = highest[resamples - rank], lowest[rank - 1]
+    return Interval(value, *(float(value - error * end) for end in ends))
 
 
 def _jackknifed(statistic: Statistic, samples: list[Array]) -> tuple[Array, Array]:
@@ -273,8 +197,8 @@ def _jackknifed(statistic: Statistic, samples: list[Array]) -> tuple[Array, Arra
     count = samples[0].shape[-1]
     sums = [sample.sum(axis=-1) for sample in samples]
     values = statistic(*(total / count for total in sums))
-    left = zip(sums, samples, strict=True)
-    without = statistic(*((total[:, None] - sample) / (count - 1) for total, sample in left))
+    pairs = zip(sums, samples, strict=True)
+    without = statistic(*((total[:, None] - sample) / (count - 1) for total, sample in pairs))
     if np.shape(values) != sums[0].shape or np.shape(without) != samples[0].shape:
         raise InputError(
             f"the statistic returns shape {np.shape(without)} for means of shape "
@@ -297,12 +221,6 @@ def _interquartile(scores: Array) -> tuple[Array, Array]:
     return values, spread / np.sqrt(runs) * size / (size - 2 * cut)
 
 
-def _check_options(level: float, resamples: int, seed: int) -> None:
-    within("level", level, *LEVELS)
-    at_least("resamples", resamples, FEWEST_RESAMPLES)
-    check_seed(seed)
-
-
 def _columns(**series: ArrayLike) -> list[Array]:
     """Returns checked series of values by motion."""
     if not series:
@@ -321,7 +239,7 @@ def _columns(**series: ArrayLike) -> list[Array]:
     return columns
 
 
-def _rows(name: str, scores: ArrayLike) -> Array:
+def _rows(scores: ArrayLike) -> Array:
     """Returns checked scores of shape (runs, episodes)."""
     try:
         rows = np.asarray(scores)
@@ -330,13 +248,13 @@ def _rows(name: str, scores: ArrayLike) -> Array:
     if rows.ndim == 1:
         rows = rows[:, None]
     if rows.ndim != 2 or rows.dtype.kind not in "iuf" or rows.size == 0:
-        raise InputError(f"{name} is no table of numbers: give the shape (runs, episodes)")
+        raise InputError("scores is no table of numbers: give the shape (runs, episodes)")
     if not np.isfinite(rows).all():
         run, episode = np.argwhere(~np.isfinite(rows))[0]
-        raise InputError(f"{name}[{run}, {episode}] is {rows[run, episode]}: give finite numbers")
+        raise InputError(f"scores[{run}, {episode}] is {rows[run, episode]}: give finite numbers")
     if rows.shape[0] < FEWEST_RUNS:
         raise InputError(
             f"an interval needs at least {FEWEST_RUNS} runs, "
-            f"and {name} has {rows.shape[0]}: give more trainings"
+            f"and scores has {rows.shape[0]}: give more trainings"
         )
     return rows.astype(np.float64)

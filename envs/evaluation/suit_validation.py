@@ -1,61 +1,113 @@
-"""`validate`: controllers that believe suits in arms that wear others, and what that says.
-
-Tables, sentences and figures of what believed suits are worth, and of what suits predict.
-"""
+"""`validate`: controllers that believe suits in arms that wear others, and what that says."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain, count
+from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
-from ...assets import AnySuit, Suit, load_suit
+from ...assets import AnySuit, SuitJoint, load_suit
 from ...checks import at_least, check_seed, once
 from ...errors import InputError
-from ...plots import Cells as Colored
-from ...plots import Panel, Plot
+from ...plots import Cells, Panel, Plot
 from ...tables import Rows
-from ..model import ASSISTED
-from ..policies import policy_spec
-from .compare import Evaluation
-from .core import FIRST_SEED
+from ..belief import Belief
+from ..levels import NOMINAL
+from ..making import make_arms
+from ..model import ASSISTED, resisting_joints
+from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
+from ..policies.registry import PolicyKind
+from .best_known_plan import BOUNDS
+from .compare import Evaluation, evaluate
 from .figures import motion_plots
 from .report import score_table, trace_columns
 from .rollout import Trace
+from .run import FIRST_SEED
 from .sentences import cuff_remarks, why_remarks
-from .statistics import FEWEST_MOTIONS, Interval, interval_text, mean_interval
-from .validation import (
-    LIMITS,
-    RULE,
-    TRUE,
-    TorqueError,
-    Validation,
-    believed_joints,
-    compare_beliefs,
-)
-
-Cells = Mapping[tuple[str, str], Validation]  # keys are believed and true suit
+from .statistics import FEWEST_MOTIONS, Interval, interval_text
+from .validation_sentences import TRUE, answer, covered_by, lacking, story
+from .verdict import LIMITS, RULE, TorqueError, TorqueErrors, torque_errors
 
 LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
-LESS = "less than"
-NOTHING, SAME = "nothing to judge", "the same suit"
 WEIGHTLESS = "microgravity"  # where only the suit's torque remains
 OTHERS = 4  # number of policies and references beside those that believe a suit
+# Options with which the simulated suit is the one that is named.
+AS_IS = {"pressure": None, "preconditioned": False, "level": NOMINAL}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """What a believed suit is worth where another one is the true one.
+
+    Attributes:
+        same: Whether the believed suit is the true one, or the true one is a sample of it: then
+            there is no verdict, since a suit says nothing against itself.
+        torque: Torque errors along the motions under the controller that believes.
+        relief: Relief of that controller; see `Evaluation.relief`.
+        difference: Its relief less that with the true model, motion by motion.
+        share_of_true: Its relief over that with the true model.
+        share_of_bound: Its relief over that of the best known plan.
+    """
+
+    same: bool
+    torque: TorqueErrors
+    relief: Interval | None
+    difference: Interval | None
+    share_of_true: Interval | None
+    share_of_bound: Interval | None
+
+    @property
+    def verdict(self) -> str | None:
+        """The verdict by the torque; None of a suit about itself, or without joints."""
+        return None if self.same else self.torque.verdict
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns everything as plain values, the verdict first."""
+        nrmse = self.torque.nrmse
+        return {"verdict": self.verdict, "nrmse": nrmse and nrmse.to_dict(), **asdict(self)}
+
+
+def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
+    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is."""
+    spec = policy_spec(policy)
+    if "suit" in spec.options:
+        raise InputError(
+            f"the policy {str(spec)!r} has a suit: leave that out, as the believed suits are given"
+        )
+    if "suit" not in PolicyKind.of(spec.name).options:
+        return spec
+    return PolicySpec(spec.name, {**spec.options, "suit": suit})
+
+
+def believed_joints(
+    env_id: str, believed: Mapping[str, AnySuit], policy: AnyPolicy, **env_options: Any
+) -> dict[str, dict[str, SuitJoint]]:
+    """Returns the assisted joints that each believed suit and the true one resist, as believed."""
+    arms = make_arms(env_id, 1, **{**env_options, **needed_options(policy)})
+    config, found = arms.episodes.simulation.config, {}
+    needed = [joint for joint in ASSISTED if joint in resisting_joints(config)]
+    for name, suit in believed.items():
+        make_policy(with_belief(policy, suit), arms)
+        joints = resisting_joints(Belief(suit=suit).of(config))
+        found[name] = {joint: joints[joint] for joint in needed if joint in joints}
+        if needed and not found[name]:
+            raise InputError(
+                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the true "
+                "suit does: give one with a model of an assisted joint"
+            )
+    arms.close()
+    return found
 
 
 @dataclass(frozen=True, kw_only=True)
 class SuitValidation:
     """Result of `validate`: what believed suits are worth, each where each plant is simulated.
 
+    Arguments of `validate` stand first.
+
     Attributes:
-        env_id: Id of the environment.
-        policy: Policy that believes the suits, with its options.
-        motions: Number of motions.
-        seed: Seed of the first motion.
-        options: Other options of the environment.
         believed: Believed suits, by name.
         plants: Simulated suits, by name.
         cells: Validations, by the names of the believed and of the simulated suit.
@@ -85,19 +137,17 @@ class SuitValidation:
 
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values."""
-        return {
-            **self.settings,
-            "cells": [
-                {"believed": suit, "plant": true, **one.to_dict()}
-                for (suit, true), one in self.cells.items()
-            ],
-            "evaluations": {true: one.to_dict() for true, one in self.evaluations.items()},
-        }
+        cells = [
+            {"believed": suit, "plant": true, **one.to_dict()}
+            for (suit, true), one in self.cells.items()
+        ]
+        evaluations = {true: one.to_dict() for true, one in self.evaluations.items()}
+        return {**self.settings, "cells": cells, "evaluations": evaluations}
 
     def tables(self) -> dict[str, Rows]:
         """Returns the matrix of suits, or torque errors and scores of a single pair, by title."""
         if len(self.cells) > 1:
-            return {f"Torque error, relief and verdict: {self.place}": matrix_table(self.cells)}
+            return {f"Torque error, relief and verdict: {self.place}": self._matrix}
         (((suit, true), found),) = self.cells.items()
         evaluation = self.evaluations[true]
         scores = score_table([*evaluation.scores.values()], evaluation)
@@ -106,11 +156,21 @@ class SuitValidation:
             f"Human torque: {self.place}": scores,
         }
 
+    @property
+    def _matrix(self) -> Rows:
+        """One row per believed suit and one column per true one."""
+        labels = names_of(chain(*self.cells))
+        rows = [
+            [labels[one], *(_cell(self.cells[one, other]) for other in self.plants)]
+            for one in self.believed
+        ]
+        return ["believes", *(f"wears\n{labels[other]}" for other in self.plants)], rows
+
     def sentences(self) -> list[str]:
         """Returns verdict, relief and limits, the most important first."""
         rule = [RULE] * any(one.verdict for one in self.cells.values())
         if len(self.cells) > 1:
-            return [_covered_by(self.cells), *rule]
+            return [covered_by(self.cells.values()), *rule]
         (((suit, true), found),) = self.cells.items()
         believed, evaluation = load_suit(self.believed[suit]), self.evaluations[true]
         drawn = self.options.get("randomize", {}).get("suit") == "samples"
@@ -119,13 +179,29 @@ class SuitValidation:
         else:
             said = story(found, suit, believed)
         scores = [*evaluation.scores.values()]
-        lacking = _lacking(suit, believed, true, load_suit(self.plants[true]))
-        return [*said, *lacking, *why_remarks(scores), *cuff_remarks(scores), *rule]
+        lacks = lacking(suit, believed, true, load_suit(self.plants[true]))
+        return [*said, *lacks, *why_remarks(scores), *cuff_remarks(scores), *rule]
 
     def plots(self) -> dict[str, Plot]:
         """Returns the matrix of several suits, and figures of the first motion, by name."""
-        matrix = {"matrix": matrix_plot(self.cells)} if len(self.cells) > 1 else {}
-        return matrix | motion_plots(self._first)
+        motions = motion_plots(self._first)
+        if len(self.cells) == 1:
+            return motions
+        header, rows = self._matrix
+        errors = np.array(
+            [
+                [nrmse.value if (nrmse := self.cells[one, other].torque.nrmse) else 0.0]
+                for one in self.believed
+                for other in self.plants
+            ]
+        ).reshape(len(self.believed), -1)
+        share = np.log(np.clip(errors, LEAST, MOST) / LEAST) / np.log(MOST / LEAST)
+        names = [row[0] for row in rows], [name.removeprefix("wears\n") for name in header[1:]]
+        marks = [Cells(share, [row[1:] for row in rows], *names)]
+        panel = Panel(x="true suit", y="believed suit", marks=marks)
+        scale = f"green {LEAST:.0%}, red {MOST:.0%} and more"
+        title = f"Torque error by believed and true suit, {scale}"
+        return {"matrix": Plot(title=title, panels=[panel], height=1.4 + len(rows)), **motions}
 
     def columns(self) -> dict[str, tuple[Sequence[str], Iterable[Sequence[Any]]]]:
         """Returns header and rows of the first motion, by the name of its CSV file."""
@@ -180,25 +256,48 @@ def validate(
     if "suit" in env_options:
         raise InputError(f"suit is {env_options['suit']!r}: name the simulated suits as plants")
     options: dict[str, Any] = {"gravity": WEIGHTLESS, **env_options}
-    for suit in true.values():
-        believed_joints(env_id, believed, policy, suit=suit, **options)
+    joints = {
+        name: believed_joints(env_id, believed, policy, suit=suit, **options)
+        for name, suit in true.items()
+    }
     if samples:
         options["randomize"] = {**options.get("randomize", {}), "suit": "samples"}
-    total, done = (len(believed) + OTHERS) * len(true) * motions, count()
+    as_is = all(options.get(other, usual) == usual for other, usual in AS_IS.items())
+    by = {one: f"by {label}" for one, label in names_of(believed).items()}
+    policies: dict[str, Any] = {TRUE: policy, BOUNDS[1]: BOUNDS[1]}
+    policies |= {by[one]: with_belief(policy, suit) for one, suit in believed.items()}
+    total, done = (len(believed) + OTHERS) * len(true) * motions, 0
 
     def step(_: str, traces: list[Trace]) -> None:
+        nonlocal done
+        done += len(traces)
         if on_step:
-            on_step((next(done) + 1) * len(traces), total)
+            on_step(done, total)
 
-    cells, evaluations, labels = {}, {}, names_of(believed)
-    same = {"policy": policy, "motions": motions, "seed": seed}
-    named = {labels[one]: suit for one, suit in believed.items()}
+    cells, evaluations = {}, {}
     for name, suit in true.items():
         more = {"on_policy": step, "threads": 0, "suit": suit, **options}
-        evaluations[name], found = compare_beliefs(env_id, named, **same, **more)
-        cells |= {(one, name): found[labels[one]] for one in believed}
-    kept = {"cells": cells, "evaluations": evaluations, "believed": believed, "plants": true}
-    return SuitValidation(env_id=env_id, options=options, **same, **kept)
+        found = evaluations[name] = evaluate(env_id, policies, motions=motions, seed=seed, **more)
+        for one, own in by.items():
+            cells[one, name] = Validation(
+                same=suit == believed[one] and as_is,
+                torque=torque_errors(joints[name][one], found.traces[own]),
+                relief=found.relief(own),
+                difference=found.relief_difference(own, TRUE),
+                share_of_true=found.share_of_bound(own, TRUE),
+                share_of_bound=found.share_of_bound(own, BOUNDS[1]),
+            )
+    return SuitValidation(
+        env_id=env_id,
+        policy=policy,
+        motions=motions,
+        seed=seed,
+        options=options,
+        believed=believed,
+        plants=true,
+        cells=cells,
+        evaluations=evaluations,
+    )
 
 
 def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[str, AnySuit]:
@@ -227,15 +326,6 @@ def _itself(believed: Mapping[str, AnySuit]) -> Mapping[str, AnySuit]:
     return believed
 
 
-def _lacking(believed: str, suit: Suit, true: str, plant: Suit) -> Iterator[str]:
-    """Yields joints that are not assisted, and why."""
-    for joint in ASSISTED:
-        if joint not in plant.joints:
-            yield f"{joint}: nothing to assist, because {true} has no such joint"
-        elif joint not in suit.joints:
-            yield f"{joint}: not assisted, because {believed} has no such joint"
-
-
 def torque_table(found: Validation) -> Rows:
     """Returns one row per joint, and one of all: the errors of the believed torque."""
     header = ["joint", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]", "late by\n[ms]"]
@@ -257,163 +347,17 @@ def _errors(error: TorqueError) -> Iterator[str]:
         yield interval_text(one, form, lines=True)
 
 
-def matrix_table(cells: Cells) -> Rows:
-    """Returns one row per believed suit and one column per true one."""
-    labels = names_of(chain(*cells))
-    believed, plants = _axes(cells)
-    rows = [[labels[one], *(_cell(cells[one, other]) for other in plants)] for one in believed]
-    return ["believes", *(f"wears\n{labels[other]}" for other in plants)], rows
-
-
-def matrix_plot(cells: Cells) -> Plot:
-    """Returns a heat map of torque errors; each cell tells error, relief and verdict."""
-    header, rows = matrix_table(cells)
-    believed, plants = _axes(cells)
-    found = [[cells[one, other].torque.nrmse for other in plants] for one in believed]
-    errors = np.array([[one.value if one else 0.0 for one in row] for row in found])
-    share = np.log(np.clip(errors, LEAST, MOST) / LEAST) / np.log(MOST / LEAST)
-    names = [row[0] for row in rows], [name.removeprefix("wears\n") for name in header[1:]]
-    marks = [Colored(share, [row[1:] for row in rows], *names)]
-    panel = Panel(x="true suit", y="believed suit", marks=marks)
-    title = f"Torque error by believed and true suit, green {LEAST:.0%}, red {MOST:.0%} and more"
-    return Plot(title=title, panels=[panel], height=1.4 + len(rows))
-
-
-def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
-    """Yields sentences about one believed suit: verdict with its range, limits, and relief.
-
-    Args:
-        found: Validation of that suit.
-        believed: Name of the believed suit.
-        suit: The believed suit.
-    """
-    nrmse = found.torque.nrmse
-    if nrmse is None:
-        yield f"{believed}: {NOTHING}, as the true suit resists no assisted joint"
-    elif found.same:
-        yield f"{believed}: no verdict, since it is the true suit too; {_covered(found)}"
-    else:
-        yield (
-            f"{believed}: {found.verdict} for {_ranges(found)}; torque error "
-            f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
-        )
-    yield from _beyond(found, believed, suit)
-    silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
-    if silent:
-        yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
-    if found.relief is None:
-        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
-        return
-    yield (
-        f"relief {interval_text(found.relief)}, "
-        f"{interval_text(found.difference)} beside the true model's; "
-        f"{interval_text(found.share_of_true)} of it, and "
-        f"{interval_text(found.share_of_bound)} of the best known plan's"
-    )
-
-
-def _ranges(found: Validation) -> str:
-    """Returns the angles that the motions covered, by joint."""
-    covered = found.torque.covered.items()
-    return ", ".join(f"{joint} from {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered)
-
-
-def _covered(found: Validation) -> str:
-    return f"the motions cover {_ranges(found)}"
-
-
-def _beyond(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
-    """Yields joints that moved beyond the range in which they were identified."""
-    for joint, (low, high) in found.torque.covered.items():
-        least, most = suit.joints[joint].range
-        if low < least - 0.05 or high > most + 0.05:
-            yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
-
-
-def answer(
-    found: Validation, believed: str, suit: Suit, policy: str, evaluation: Evaluation
-) -> Iterator[str]:
-    """Yields how well a controller with an identified model works, and what that leaves out.
-
-    Args:
-        found: Validation of the suit where its own model and samples are the true ones.
-        believed: Name of the suit.
-        suit: The suit.
-        policy: Policy that believes it.
-        evaluation: Motions of that policy beside those of the references.
-    """
-    joints = {joint: suit.joints[joint] for joint in found.torque.covered}
-    nrmse = found.torque.nrmse
-    if nrmse is None:
-        return
-    count = max(len(entry.samples) for entry in joints.values())
-    yield _plain_words(policy, evaluation)
-    relief = f"a relief of {interval_text(found.relief)}"
-    if found.relief is None:
-        relief = "no relief that has a meaning, as the suit costs less than 1 % of strength,"
-    yield (
-        f"{policy} with this model has {relief} and a torque error of {nrmse.value:.1%} "
-        f"({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak, where the true suit is drawn among "
-        f"the model and {count} others that its curves allow"
-    )
-    yield f"no verdict, since a suit says nothing against itself; {_covered(found)}"
-    yield from _beyond(found, believed, suit)
-    left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
-    yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
-
-
-def _plain_words(policy: str, evaluation: Evaluation) -> str:
-    """Returns whether the wearer works less than without exoskeleton, and what limits that."""
-    (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
-    suited, true = (np.array(evaluation.scores[name].effort) for name in ("suited", TRUE))
-    effort = np.array(own.effort)
-    text = (
-        f"with {policy} and this model the wearer works {_compared(effort, suited)} without "
-        f"exoskeleton (effort {effort.mean():.1%} against {suited.mean():.1%} of strength), "
-        f"and {_compared(effort, true)} with the true model ({true.mean():.1%})"
-    )
-    if _compared(true, suited) == LESS:
-        return text
-    text += ": the limit is the controller and its motors here, not your measurement"
-    if evaluation.relief("suited") is None:
-        unsuited = float(np.mean(evaluation.scores["unsuited"].effort))
-        return f"{text}; there is little to give back, as the effort without suit is {unsuited:.1%}"
-    return text if policy == "compensation" else f"{text}; try --policy compensation"
-
-
-def _compared(effort: Array, other: Array) -> str:
-    """Returns how the effort of the same motions compares with another, by its 95 % interval."""
-    apart = mean_interval(effort - other)
-    return LESS if apart.high < 0 else "more than" if apart.low > 0 else "as much as"
-
-
-def _covered_by(cells: Cells) -> str:
-    """Returns a sentence that names the angles which the motions of all cells covered."""
-    ends: dict[str, list[float]] = {}
-    for found in cells.values():
-        for joint, covered in found.torque.covered.items():
-            ends.setdefault(joint, []).extend(covered)
-    ranges = [f"{joint} {min(one):.2f} to {max(one):.2f} rad" for joint, one in ends.items()]
-    return f"The motions covered {', '.join(ranges) or 'no joint that is judged'}."
-
-
 def names_of(suits: Iterable[str]) -> dict[str, str]:
     """Returns short names of suits: of a file without its folder, where that is enough."""
     suits = list(dict.fromkeys(suits))
     short = [Path(suit).stem if suit.endswith(".json") else suit for suit in suits]
-    return {
-        suit: name if short.count(name) == 1 else suit
-        for suit, name in zip(suits, short, strict=True)
-    }
-
-
-def _axes(cells: Cells) -> Iterator[list[str]]:
-    """Yields the names of the believed suits, then of the true ones."""
-    return (list(dict.fromkeys(names)) for names in zip(*cells, strict=True))
+    pairs = zip(suits, short, strict=True)
+    return {suit: name if short.count(name) == 1 else suit for suit, name in pairs}
 
 
 def _cell(found: Validation) -> str:
     if found.torque.nrmse is None:
-        return NOTHING
+        return "nothing to judge"
     relief = "-" if found.relief is None else f"{found.relief.value:.2f}"
-    return f"{found.torque.nrmse.value:.1%}\nrelief {relief}\n{found.verdict or SAME}"
+    verdict = found.verdict or "the same suit"
+    return f"{found.torque.nrmse.value:.1%}\nrelief {relief}\n{verdict}"

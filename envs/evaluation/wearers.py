@@ -65,15 +65,12 @@ class Wearers:
         return rollout(self.arms, policy, seeds)
 
     def adapted(self, make: Callable[[], Policy], seeds: Sequence[int]) -> list[Trace]:
-        """Returns the motions of wearers who have learned them under the policy.
+        """Returns the motions of wearers who have learned them under the policy; or `ArmLost`.
 
         Args:
             make: Function that makes the policy anew, for each rollout: only the wearers learn the
                 motions, the policy meets each for the first time.
             seeds: Seed of each motion.
-
-        Raises:
-            ArmLost: The policy ends episodes although the arm is guided.
         """
         return self.learn(make, seeds)[1]
 
@@ -81,52 +78,35 @@ class Wearers:
         self, make: Callable[[], Policy], seeds: Sequence[int]
     ) -> tuple[dict[str, Array], list[Trace]]:
         """Returns what adapted wearers have learned, for `rollout`, and their motions."""
-        torque = self.learned_torque(make, seeds)
-        contraction = np.zeros_like(torque)
+        learned = {TORQUE: self.learned_torque(make, seeds)}
+        contraction = np.zeros_like(learned[TORQUE])
         strength = self.arms.episodes.simulation.state.muscles.strength.min(axis=1)[:, None]
-        learned = {TORQUE: torque}
         traces = rollout(self.arms, make(), seeds, learned=learned)
         for _ in range(STIFFENINGS):
             before, contraction = contraction, self.contraction(traces, contraction)
             if root_mean_square((contraction - before) / strength) < CHANGE:
                 break
-            learned = {TORQUE: torque, CONTRACTION: contraction}
+            learned[CONTRACTION] = contraction
             traces = rollout(self.arms, make(), seeds, learned=learned)
         return learned, traces
 
     def learned_torque(
         self, make: Callable[[], Policy], seeds: Sequence[int], *, rollouts: int = ROLLOUTS
     ) -> Array:
-        """Returns what wearers learn of the net load under a policy [N·m].
+        """Returns what wearers learn of the net load under a policy in guided rollouts [N·m].
 
-        Args:
-            make: Function that makes the policy anew, for each rollout.
-            seeds: Seed of each motion.
-            rollouts: Number of guided rollouts.
-
-        Returns:
-            The torque beside that of the bare arm, shape (rows, samples, 4).
-
-        Raises:
-            ArmLost: The policy ends episodes although the arm is guided.
+        This is the torque beside that of the bare arm, shape (rows, samples, 4).
         """
         torque = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
-            torque = self.learned(self.guided(make(), seeds, torque))
+            traces = self.guided(make(), seeds, torque)
+            own = self._guided.episodes.simulation.own_torque(np.arange(len(traces)))
+            given = smoothed([trace.human_torque for trace in traces], own.shape[1])
+            torque = SHARE * (given - own)
         return torque
 
-    def learned(self, traces: Sequence[Trace]) -> Array:
-        """Returns what wearers learn of guided motions, as `learned_torque` does [N·m]."""
-        own = self._guided.episodes.simulation.own_torque(np.arange(len(traces)))
-        torque = smoothed([trace.human_torque for trace in traces], own.shape[1])
-        return SHARE * (torque - own)
-
     def guided(self, policy: Policy, seeds: Sequence[int], torque: Array) -> list[Trace]:
-        """Returns the motions of arms that stiff hands lead along the intention.
-
-        Raises:
-            ArmLost: The policy ends episodes although the arm is guided.
-        """
+        """Returns the motions of arms that stiff hands lead along the intention; or `ArmLost`."""
         traces = rollout(self._guided, policy, seeds, learned={TORQUE: torque})
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
@@ -137,21 +117,16 @@ class Wearers:
                 )
         return traces
 
-    def contraction(self, traces: Sequence[Trace], before: Array | float = 0.0) -> Array:
+    def contraction(self, traces: Sequence[Trace], before: Array) -> Array:
         """Returns the co-contraction that balances stiffening and relaxing, beyond the usual one.
 
+        The torques [N·m] have the shape (rows, samples, 4); `before` are those of these motions.
+
         Nobody knows when a slip comes: what counts is the largest error within a quarter of a
-        second. It is taken to be in inverse proportion to stiffness, and the stiffness that of
-        rest. With gain = strength · stiffening / relaxing the balance c = gain · max(0, |e| K /
+        second. The error is taken to be in inverse proportion to stiffness, and the stiffness that
+        of rest. With gain = strength · stiffening / relaxing the balance c = gain · max(0, |e| K /
         (K0 + K1 c) - tolerated) is then a quadratic equation. Here K is the stiffness in these
         motions, and K0 the usual one.
-
-        Args:
-            traces: Motions of the wearers.
-            before: Their co-contraction in these motions.
-
-        Returns:
-            Torques [N·m], shape (rows, samples, 4).
         """
         from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
 
@@ -178,13 +153,10 @@ class Wearers:
 
 
 def smoothed(series: Sequence[Array], samples: int) -> Array:
-    """Returns series of all control periods with a first sample before, smoothed over time.
+    """Returns series of all control periods, shape (periods, size) each, smoothed over time.
 
-    Where episodes are shorter than the intention, the last value stays.
-
-    Args:
-        series: Values of each motion, shape (periods, size).
-        samples: Number of samples of the intention.
+    They begin a sample earlier, and have the number of samples of the intention: the last value of
+    a shorter episode stays.
     """
     from scipy.ndimage import gaussian_filter1d  # slow to import
 

@@ -30,7 +30,7 @@ from ..simulation.simulation import Simulation
 from .mapping import AXES, OWN, THIRD, constraint_torques
 from .metabolic import MODELS, muscle_masses
 from .myoarm import Geometry, MyoArm
-from .sharing import Cost, shared
+from .sharing import Cost, share
 
 SOFTNESS = 0.01  # [N²·m²], see `Cost`
 LINEAR = 0.05  # coefficient of a² beside that of a times volume, and of a² beside that of a³
@@ -94,12 +94,8 @@ class Demand(NamedTuple):
 
     def last(self) -> "Demand":
         """Returns what the last sample asks."""
-        return self._replace(
-            torque=self.torque[-1:],
-            elastic=self.elastic[-1:],
-            contraction=self.contraction[-1:],
-            geometry=Geometry(*(one[-1:] for one in self.geometry)),
-        )
+        series = {name: getattr(self, name)[-1:] for name in ("torque", "elastic", "contraction")}
+        return self._replace(**series, geometry=Geometry(*(one[-1:] for one in self.geometry)))
 
 
 class Moments(NamedTuple):
@@ -140,13 +136,7 @@ def check_wearer(simulation: Simulation) -> None:
 
 
 def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Demand:
-    """Returns what a motion asks of the wearer's muscles.
-
-    Args:
-        trace: The motion, or some moments of one.
-        arm: The muscles.
-        threads: Number of threads; 0 uses all cores.
-    """
+    """Returns what a motion, or some moments of one, asks of the wearer's muscles."""
     if len(trace.time) < 3:
         raise InputError(
             f"a motion has {len(trace.time)} samples: muscles need 3 or more, for accelerations"
@@ -183,7 +173,7 @@ def share_among_muscles(
 
     Args:
         arm: The muscles of the average man.
-        demand: What the motion asks of them.
+        demand: What the motion asks of the muscles.
         convention: Choices in sharing the torque.
         before: Activations a period before the motion, shape (muscles,); by default any.
     """
@@ -191,7 +181,6 @@ def share_among_muscles(
     wanted = demand.torque / demand.scale
     if convention.passive:
         slack = np.einsum("nkm,nm->nk", geometry.arms, geometry.passive)
-        wanted = wanted.copy()
         wanted[:, OWN] += demand.elastic / demand.scale - slack[:, OWN]
         wanted[:, THIRD] -= slack[:, THIRD]
     axes = [axis for axis in range(len(AXES)) if convention.third or axis != THIRD]
@@ -201,21 +190,15 @@ def share_among_muscles(
         against = antagonists(geometry.arms[:, OWN], demand.torque[:, OWN])
         arms = np.concatenate([arms, against], axis=1)
         wanted = np.concatenate([wanted, demand.contraction / demand.scale], axis=1)
-    least = np.full_like(geometry.full, convention.least)
-    known = np.full(least.shape[1], np.nan) if before is None else before
-    flat = (arms, geometry.full, wanted, equal, least, known, demand.dt)
-    activation, reserve = shared(*flat, _cost(convention.cost, arm))
+    known = np.full(arms.shape[2], np.nan) if before is None else before
+    flat = (arms, geometry.full, wanted, equal, convention.least, known, demand.dt)
+    activation, reserve, _ = share(*flat, _cost(convention.cost, arm))
     power = MODELS[convention.metabolic](arm, geometry, activation)
     return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal])
 
 
 def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
-    """Returns the activations of a motion, shape (samples, muscles), as `MyoArm.muscles` orders.
-
-    Args:
-        trace: The motion.
-        convention: Name of a convention.
-    """
+    """Returns the activations of a motion, shape (samples, muscles), as `MyoArm.muscles` orders."""
     arm = MyoArm.load()
     return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[convention]).activation
 
@@ -223,17 +206,15 @@ def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
 def _cost(name: str, arm: MyoArm) -> Cost:
     """Returns what is least; beside cube or volume a small square makes the answer unique."""
     mass = muscle_masses(arm)
-    linear = mass / mass.mean() if name == "volume" else np.zeros_like(mass)
+    linear = mass / mass.mean() * (name == "volume")
     square, cubic = (1.0, 0.0) if name == "squares" else (LINEAR, float(name == "cubes"))
     return Cost(linear, square, cubic, SOFTNESS)
 
 
 def antagonists(arms: Array, torque: Array) -> Array:
-    """Returns the moment arms of the muscles that pull against a torque, as positive numbers [m].
+    """Returns the moment arms of the muscles that pull against torques, as positive numbers [m].
 
-    Args:
-        arms: Moment arms [m], shape (samples, axes, muscles).
-        torque: Torques [N·m], shape (samples, axes).
+    Moment arms [m] have the shape (samples, axes, muscles), torques [N·m] (samples, axes).
     """
     return np.maximum(np.where(torque[..., None] < 0, arms, -arms), 0)
 

@@ -44,9 +44,6 @@ class LiveMuscles:
     Call it in each control period, since activation cannot change at once. The acceleration is
     that of the last two periods. MyoArm stands outward of the wearer's arm, in its posture, with an
     upper arm as long as the wearer's.
-
-    Args:
-        simulation: The arm.
     """
 
     def __init__(self, simulation: Simulation) -> None:

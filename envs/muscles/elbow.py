@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS, load_suit
-from ...checks import flag, number
+from ...checks import flag, number, within
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine import attach
 from ..model.config import GRAVITY, NO_SUIT, place_of
 from ..tasks import TASKS
 from .analysis import antagonists
 from .myoarm import lean, myoarm_spec, quiet
-from .sharing import Cost, shared
+from .sharing import Cost, share
 
 JOINT, OURS = "elbow_flexion_r", "elbow_flexion"
 DT, SUBSTEPS = 0.01, 5
@@ -57,10 +57,6 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         contraction: Torque that the antagonists give at least [N·m], 0 to 15.
         knows_suit: Whether the wearer has learned what suit and motor do, as adapted wearers have.
         push: Torque of a push [N·m], for 0.1 s from 1 s on; 0 for none.
-
-    Raises:
-        InputError: The extra `muscles` is missing, the suit or the place is unknown, or a number is
-            outside its range.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
@@ -77,11 +73,10 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         place = place_of("gravity", gravity)
         if place not in GRAVITY:
             raise unknown_name("gravity", gravity, GRAVITY)
-        self.contraction = number("contraction", contraction, "N·m")
-        if not 0 <= self.contraction <= MOST_CONTRACTION:
-            raise InputError(f"contraction is {contraction} N·m: use 0 to {MOST_CONTRACTION:g}")
+        within("contraction", contraction, 0, MOST_CONTRACTION, " N·m")
         flag("knows_suit", knows_suit)
-        self.knows_suit, self.push = knows_suit, number("push", push, "N·m")
+        self.contraction, self.knows_suit = contraction, knows_suit
+        self.push = number("push", push, "N·m")
         self.model = _elbow(suit, GRAVITY[place])
         self.data = mujoco.MjData(self.model)
         self.muscles = tuple(self.model.actuator(i).name for i in range(self.model.nu))
@@ -131,11 +126,13 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def stiffness(self) -> float:
         """Returns the stiffness of the muscles at their present activation [N·m/rad]."""
-        step, torques = 1e-4, []
-        for angle in (self.data.qpos[0] - step, self.data.qpos[0] + step):
-            arms, full, slack = self._arms(float(angle))
-            torques.append(float(arms @ (full * self.data.act + slack)))
-        return (torques[0] - torques[1]) / (2 * step)
+
+        def torque(angle: float) -> float:
+            arms, full, slack = self._arms(angle)
+            return float(arms @ (full * self.data.act + slack))
+
+        angle, step = float(self.data.qpos[0]), 1e-4
+        return (torque(angle - step) - torque(angle + step)) / (2 * step)
 
     @property
     def inertia(self) -> float:
@@ -170,9 +167,8 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         arms, full, slack = self._arms(float(self.data.qpos[0]), moving=True)
         wanted = np.array([[torque - arms @ slack, self.contraction]])
         against = antagonists(arms[None, None], wanted[:, :1])
-        rows, least = np.concatenate([arms[None, None], against], axis=1), np.zeros((1, full.size))
-        free = np.full(full.size, np.nan)
-        activation, reserve = shared(rows, full[None], wanted, 1, least, free, np.inf, self._cost)
+        rows, free = np.concatenate([arms[None, None], against], axis=1), np.full(full.size, np.nan)
+        activation, reserve, _ = share(rows, full[None], wanted, 1, 0.0, free, np.inf, self._cost)
         return activation[0], float(reserve[0, 0])
 
     def _excitation(self, activation: Array) -> Array:

@@ -42,23 +42,13 @@ _TO_BODY = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 def turn(axis: int, angle: Array) -> Array:
     """Returns rotations about a coordinate axis, shape (samples, 3, 3)."""
-    found = np.zeros((len(angle), 3, 3))
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    found[:, axis, axis] = 1
-    found[:, one, one] = found[:, other, other] = np.cos(angle)
-    found[:, other, one] = np.sin(angle)
-    found[:, one, other] = -found[:, other, one]
-    return found
+    return _about(np.eye(3)[axis], angle)
 
 
 def shoulder(angle: Array) -> Array:
-    """Returns plane of elevation, elevation and rotation for our joint angles [rad].
+    """Returns plane of elevation, elevation and rotation [rad], shape (samples, 3).
 
-    Args:
-        angle: Our joint angles [rad], shape (samples, 4).
-
-    Returns:
-        The angles, shape (samples, 3).
+    They are those of our joint angles [rad], shape (samples, 4).
     """
     hanging = np.hypot(angle[:, 0], angle[:, 1]) < LEAST
     flexion = np.where(hanging, LEAST, angle[:, 1])
@@ -68,8 +58,7 @@ def shoulder(angle: Array) -> Array:
 def decomposed(whole: Array) -> Array:
     """Returns plane of elevation, elevation and rotation of upper arms [rad], shape (samples, 3).
 
-    Args:
-        whole: Orientations of the upper arm, 1 where it hangs, shape (samples, 3, 3).
+    The orientations of upper arms, shape (samples, 3, 3), are 1 where they hang.
     """
     along = -whole[:, :, 1]
     elevation = np.arctan2(np.hypot(along[:, 0], along[:, 2]), -along[:, 1])

@@ -17,68 +17,24 @@ from collections.abc import Callable
 import numpy as np
 
 from ...arrays import Array
-from ..provenance import Quantity
+from ..provenance import numbers_of, values_of
 from .myoarm import Geometry, MyoArm
 
-_OPENSIM = "OpenSim's documentation of its probe of {}, opensim-core"
-_UMBERGER = _OPENSIM.format("Umberger (2010), J. R. Soc. Interface 7, 1329-1340")
-_BHARGAVA = _OPENSIM.format("Bhargava, Pandy and Anderson (2004), J. Biomech. 37, 81-88")
+PROVENANCE = numbers_of("metabolic")
 
 
-_DENSITY = Quantity("metabolic.density", 1059.7, "kg/m³", _UMBERGER, "transcribed")
-_TENSION = Quantity(
-    "metabolic.specific_tension",
-    0.5e6,
-    "Pa",
-    "ours, of the size that models of this arm use; with OpenSim's default, 0.25 MPa, all masses "
-    "and heats are twice as large",
-    "assumed",
-)
-_UNKNOWN = "OpenSim's default for muscles of unknown composition"
-_SLOW = Quantity("metabolic.slow_fibres", 0.5, "1", _UNKNOWN, "assumed")
-_REST = f"Umberger et al. (2003), page 104; {_UMBERGER}"
-_LEAST_HEAT = Quantity("metabolic.least_heat", 1.0, "W/kg", _REST, "transcribed")
-_OF_UMBERGER = {
-    "aerobic": (1.5, "1"),
-    "active": (25.0, "W/kg"),
-    "active.fast": (128.0, "W/kg"),
-    "active.exponent": (0.6, "1"),
-    "active.share_of_force": (0.6, "1"),
-    "shortening.fast": (153.0, "W/kg"),
-    "shortening.slow": (100.0, "W/kg"),
-    "shortening.slower": (2.5, "1"),
-    "lengthening": (0.3, "1"),
-}
-_LENGTHS, _SHARES = (0.0, 0.5, 1.0, 1.5), (0.5, 0.5, 1.0, 0.0)  # over optimal length, of heat
-_OF_BHARGAVA = {
-    "activation.slow": (40.0, "W/kg"),
-    "activation.fast": (133.0, "W/kg"),
-    "maintenance.slow": (74.0, "W/kg"),
-    "maintenance.fast": (111.0, "W/kg"),
-    **{
-        f"maintenance.at_{length:g}_of_optimal_length": (share, "1")
-        for length, share in zip(_LENGTHS, _SHARES, strict=True)
-    },
-    "shortening.isometric": (0.16, "1"),
-    "shortening.force": (0.18, "1"),
-    "lengthening.force": (0.157, "1"),
-}
-_U, _B = ({name: value for name, (value, _) in of.items()} for of in (_OF_UMBERGER, _OF_BHARGAVA))
+def _values(group: str) -> dict[str, float]:
+    """Returns the numbers of a model, or all numbers, by their last names."""
+    found = values_of(PROVENANCE).items()
+    return {n.removeprefix(group): value for n, value in found if n.startswith(group)}
 
-LEAST_HEAT = _LEAST_HEAT.value
+
+_ALL, _U, _B = map(_values, ("metabolic.", "metabolic.umberger.", "metabolic.bhargava."))
+_LENGTHS = (0.0, 0.5, 1.0, 1.5)  # over optimal length
+_SHARES = [_B[f"maintenance.at_{length:g}_of_optimal_length"] for length in _LENGTHS]
+_SLOW = _ALL["slow_fibres"]
+LEAST_HEAT = _ALL["least_heat"]
 """Least heat of a muscle [W/kg]: that of a muscle at rest."""
-
-PROVENANCE: tuple[Quantity, ...] = (
-    *(_DENSITY, _TENSION, _SLOW, _LEAST_HEAT),
-    *(
-        Quantity(f"metabolic.{model}.{name}", value, unit, source, "transcribed")
-        for model, source, of in (
-            ("umberger", _UMBERGER, _OF_UMBERGER),
-            ("bhargava", _BHARGAVA, _OF_BHARGAVA),
-        )
-        for name, (value, unit) in of.items()
-    ),
-)
 
 
 def muscle_masses(arm: MyoArm) -> Array:
@@ -86,7 +42,7 @@ def muscle_masses(arm: MyoArm) -> Array:
 
     It is peak force over specific tension, times optimal length, times density.
     """
-    return arm.peak / _TENSION.value * arm.optimal * _DENSITY.value
+    return arm.peak / _ALL["specific_tension"] * arm.optimal * _ALL["density"]
 
 
 def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
@@ -96,22 +52,16 @@ def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     a² and speed, or of lengthening to a and speed, per kilogram; both less where the fibres are
     longer than optimal, and times 1.5 for aerobic work.
 
-    Args:
-        arm: The muscles of the average man.
-        geometry: The muscles along the motion.
-        activation: Activations, shape (samples, muscles).
-
-    Returns:
-        The power, shape (samples, muscles).
+    Activations and power have the shape (samples, muscles).
     """
-    fast, long, share = 1 - _SLOW.value, geometry.length > 1, geometry.isometric / arm.peak
+    fast, long, share = 1 - _SLOW, geometry.length > 1, geometry.isometric / arm.peak
     active = (_U["active"] + _U["active.fast"] * fast) * activation ** _U["active.exponent"]
     active = active * np.where(long, 1 - _U["active.share_of_force"] * (1 - share), 1)
     shortening = np.maximum(-geometry.speed, 0) / arm.optimal / arm.fastest
     lengthening = np.maximum(geometry.speed, 0) / arm.optimal / arm.fastest
     slow_rate = _U["shortening.slow"] * _U["shortening.slower"]
     slow = np.minimum(slow_rate * shortening, _U["shortening.slow"])
-    moving = activation**2 * (_SLOW.value * slow + fast * _U["shortening.fast"] * shortening)
+    moving = activation**2 * (_SLOW * slow + fast * _U["shortening.fast"] * shortening)
     moving = moving + activation * _U["lengthening"] * slow_rate * lengthening
     heat = _U["aerobic"] * (active + moving * np.where(long, share, 1))
     return _with_work(arm, geometry, activation, muscle_masses(arm) * heat)
@@ -124,16 +74,10 @@ def bhargava(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     heat of shortening is 0.16 of the isometric force and 0.18 of the force, times speed. In
     lengthening 0.157 of the work that the muscle takes in is heat that it does not make.
 
-    Args:
-        arm: The muscles of the average man.
-        geometry: The muscles along the motion.
-        activation: Activations, shape (samples, muscles).
-
-    Returns:
-        The power, shape (samples, muscles).
+    Activations and power have the shape (samples, muscles).
     """
-    slow = _SLOW.value * np.sin(np.pi / 2 * activation)
-    fast = (1 - _SLOW.value) * (1 - np.cos(np.pi / 2 * activation))
+    slow = _SLOW * np.sin(np.pi / 2 * activation)
+    fast = (1 - _SLOW) * (1 - np.cos(np.pi / 2 * activation))
     active, maintained = (
         _B[f"{kind}.slow"] * slow + _B[f"{kind}.fast"] * fast
         for kind in ("activation", "maintenance")

@@ -110,15 +110,10 @@ class MyoArm:
     @classmethod
     @lru_cache(maxsize=1)
     def load(cls) -> "MyoArm":
-        """Returns the arm; the first call takes some seconds.
-
-        Raises:
-            InputError: The extra is missing, or its model lacks a joint or a muscle.
-        """
+        """Returns the arm; the first call takes some seconds."""
         model = lean(myoarm_spec())
-        coupled, gain = _coupled(model), model.actuator_gainprm
+        coupled, trunk, gain = _coupled(model), _trunk(model), model.actuator_gainprm
         low, high = model.actuator_lengthrange.T
-        trunk = _trunk(model)
         return cls(
             model=model,
             muscles=tuple(model.actuator(i).name for i in range(model.nu)),
@@ -131,14 +126,7 @@ class MyoArm:
         )
 
     def angles(self, angle: Array) -> Array:
-        """Returns MyoArm's angles for ours [rad].
-
-        Args:
-            angle: Our joint angles [rad], shape (samples, 4).
-
-        Returns:
-            The angles, shape (samples, 7).
-        """
+        """Returns MyoArm's angles [rad], shape (samples, 7), for ours, shape (samples, 4)."""
         found = np.zeros((len(angle), len(JOINTS)))
         found[:, :3] = shoulder(angle)
         found[:, 3], found[:, 4], found[:, 5] = angle[:, 2], FOREARM, angle[:, 3]
@@ -155,23 +143,18 @@ class MyoArm:
         theirs = self.angles(angle)
         turned = np.tile(np.diag(self.signs), (len(angle), 1, 1))
         turned[:, :3, :3] = shoulder_rates(angle, theirs[:, :3])
-        parts = [slice(i, i + BATCH) for i in range(0, len(angle), BATCH)]
+        starts = range(0, len(angle), BATCH)
+        parts = ([of[i : i + BATCH] for i in starts] for of in (theirs, turned, rate))
         workers = threads or os.cpu_count() or 1
-        with ThreadPoolExecutor(min(workers, max(len(parts), 1))) as pool:
-            found = list(
-                pool.map(lambda part: self._part(theirs[part], turned[part], rate[part]), parts)
-            )
+        with ThreadPoolExecutor(min(workers, max(len(starts), 1))) as pool:
+            found = list(pool.map(self._part, *parts))
         numbers = (np.concatenate(one) for one in zip(*found, strict=True))
         return Geometry(*numbers, outside=self._outside(theirs))
 
     def places(self, angle: Array) -> Array:
         """Returns shoulder, elbow, wrist and knuckle, forward, up and right of the shoulder [m].
 
-        Args:
-            angle: Our joint angles [rad], shape (samples, 4).
-
-        Returns:
-            The places, shape (samples, 4, 3).
+        The angles are ours [rad], shape (samples, 4), the places of the shape (samples, 4, 3).
         """
         data, model = mujoco.MjData(self.model), self.model
         bodies = [model.body(name).id for name in BODIES]
@@ -203,10 +186,8 @@ class MyoArm:
             length[i] = span + (data.actuator_length - low) / self.optimal
             speed[i] = lengthening @ (own[i] @ rate[i])
             arms[i] = -(lengthening @ turned[i]).T
-            for activation, velocity, force in (
-                *((0.0, 0.0, slack), (1.0, 0.0, still)),
-                (1.0, speed[i], full),
-            ):
+            states = (0.0, 0.0, slack), (1.0, 0.0, still), (1.0, speed[i], full)
+            for activation, velocity, force in states:
                 data.act[:], data.actuator_velocity[:] = activation, velocity
                 mujoco.mj_fwdActuation(model, data)
                 force[i] = -data.actuator_force
@@ -221,11 +202,7 @@ class MyoArm:
 
 
 def myoarm_spec() -> mujoco.MjSpec:
-    """Returns MyoArm as myo-sim has it, without keyframes.
-
-    Raises:
-        InputError: The extra is missing, or its model lacks a joint or a muscle.
-    """
+    """Returns MyoArm as myo-sim has it, without keyframes; InputError without the extra."""
     try:
         import myo_sim
     except ImportError:

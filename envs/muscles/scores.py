@@ -57,34 +57,25 @@ def muscle_scores(
         could not give over that of the wanted one, and `largest_reserve` [N·m]; `saturated`, the
         share of time in which a muscle was fully active and its load may be larger; `outside`, that
         in which the posture was outside a range of MyoArm.
-
-    Raises:
-        InputError: The extra is missing, a convention is unknown, there is no motion, a wearer
-            tires, or more than half of the postures are outside MyoArm's ranges.
     """
-    names = dict.fromkeys((STANDARD, *conventions))
+    names = tuple(dict.fromkeys((STANDARD, *conventions)))
     for name in names:
         if name not in CONVENTIONS:
             raise unknown_name("convention", name, CONVENTIONS)
-    chosen = {name: CONVENTIONS[name] for name in names}
     if not motions:
         raise InputError("there are no motions: give at least one")
     arm = MyoArm.load()
-    power: dict[str, list[float]] = {name: [] for name in chosen}
-    effort: dict[str, list[float]] = {name: [] for name in chosen}
+    power, effort = np.full((2, len(names), len(motions)), np.nan)
     squares, limits, rest = [], [], np.nan
-    for motion in motions:
-        shared: dict[str, Shared] = {}
+    for i, motion in enumerate(motions):
         if len(motion.time) >= FEWEST_SAMPLES:
             demand = demand_of(motion, arm, threads=threads)
-            shared = {name: share_among_muscles(arm, demand, one) for name, one in chosen.items()}
-            squares.append((shared[STANDARD].activation ** 2).mean(axis=0))
-            limits.append(_limits(demand, shared[STANDARD]))
+            shared = [share_among_muscles(arm, demand, CONVENTIONS[name]) for name in names]
+            power[:, i] = [one.power.sum(axis=1).mean() for one in shared]
+            effort[:, i] = [root_mean_square(one.activation) for one in shared]
+            squares.append((shared[0].activation ** 2).mean(axis=0))
+            limits.append(_limits(demand, shared[0]))
             rest = demand.scale * LEAST_HEAT * muscle_masses(arm).sum()
-        for name in chosen:
-            one = shared.get(name)
-            power[name].append(float(one.power.sum(axis=1).mean()) if one else np.nan)
-            effort[name].append(root_mean_square(one.activation) if one else np.nan)
         on_motion()
     if not limits:
         raise InputError(
@@ -100,7 +91,7 @@ def muscle_scores(
     loaded = np.argsort(-loads, kind="stable")[:LOADED]
     return Scored(
         costs={
-            what: {name: tuple(values) for name, values in found.items()}
+            what: {name: tuple(row) for name, row in zip(names, found.tolist(), strict=True)}
             for what, found in (("power", power), ("effort", effort))
         },
         facts={
@@ -128,8 +119,7 @@ def _limits(demand: Demand, shared: Shared) -> list[float]:
 def activation_figure(motions: Mapping[str, Trace]) -> Figure:
     """Draws activation over time as heat maps side by side, one a motion, muscles by group.
 
-    Args:
-        motions: The same intended motion under some conditions, by the name of each.
+    The motions are the same intended one under some conditions, by the name of each.
     """
     names = MyoArm.load().muscles
     rows = [names.index(name) for group in GROUPS.values() for name in group]

@@ -101,28 +101,6 @@ def evaluate(x: Array, of: Problem, a: Array, miss: Array) -> float:
 
 
 @inner
-def solve(matrix: Array, vector: Array) -> None:
-    """Solves a positive definite system in place (Cholesky)."""
-    n = vector.size
-    for j in range(n):
-        for k in range(j):
-            for i in range(j, n):
-                matrix[i, j] -= matrix[i, k] * matrix[j, k]
-        root = math.sqrt(matrix[j, j])
-        for i in range(j, n):
-            matrix[i, j] /= root
-    for i in range(n):
-        for k in range(i):
-            vector[i] -= matrix[i, k] * vector[k]
-        vector[i] /= matrix[i, i]
-    for back in range(n):
-        i = n - 1 - back
-        for k in range(i + 1, n):
-            vector[i] -= matrix[k, i] * vector[k]
-        vector[i] /= matrix[i, i]
-
-
-@inner
 def farthest(x: Array, miss: Array, equal: int) -> float:
     """Returns the greatest miss: of the last rows, what is below, or above while x is not 0."""
     found = 0.0
@@ -133,24 +111,23 @@ def farthest(x: Array, miss: Array, equal: int) -> float:
 
 
 @inner
-def newton(x: Array, of: Problem, a: Array, miss: Array, hessian: Array, step: Array) -> None:
-    """Computes the step of Newton's method; unknowns that stay at their bound do not move."""
+def newton(x: Array, of: Problem, a: Array, miss: Array) -> Array:
+    """Returns the step of Newton's method; unknowns that stay at their bound do not move."""
     lever, cost = of.lever, of.cost
     axes, muscles = lever.shape
-    step[:], hessian[:] = -miss, 0.0
-    for k in range(axes):
-        hessian[k, k] = cost.softness
+    step, hessian = -miss, cost.softness * np.eye(axes)
     for m in range(muscles):
         if of.low[m] < a[m] < of.high[m]:
             slope = 1.0 / (cost.square + 2.0 * cost.cubic * a[m])
             for k in range(axes):
-                for i in range(k + 1):
+                for i in range(axes):
                     hessian[k, i] += slope * lever[k, m] * lever[i, m]
     for k in range(of.equal, axes):
         if x[k] <= 0.0 and miss[k] > 0.0:
-            hessian[k, :k], hessian[k + 1 :, k] = 0.0, 0.0
+            hessian[k, :], hessian[:, k] = 0.0, 0.0
             step[k], hessian[k, k] = 0.0, 1.0
-    solve(hessian, step)
+    step[:] = np.linalg.solve(hessian, step)
+    return step
 
 
 @inner
@@ -160,18 +137,15 @@ def minimize(x: Array, of: Problem, a: Array) -> float:
     Args:
         x: Unknowns of the dual, whose start is improved in place, shape (axes,).
         of: The torque to share.
-        a: The activations, shape (muscles,).
+        a: The activations, shape (muscles,), which are computed.
     """
     axes = x.size
-    miss, before = np.empty(axes), np.empty(axes)
-    step, other = np.empty(axes), np.empty(axes)
-    hessian = np.empty((axes, axes))
+    miss, other = np.empty(axes), np.empty(axes)
     value = evaluate(x, of, a, miss)
     for _ in range(TRIES):
         if farthest(x, miss, of.equal) < CLOSE:
             break
-        newton(x, of, a, miss, hessian, step)
-        before[:] = miss
+        step, before = newton(x, of, a, miss), miss.copy()
         length, new = 1.0, value
         for _ in range(HALVINGS):
             promised = 0.0
@@ -195,14 +169,11 @@ def share(
     force: Array,
     wanted: Array,
     equal: int,
-    least: Array,
+    least: float,
     before: Array,
     dt: float,
     cost: Cost,
-    activation: Array,
-    reserve: Array,
-    missed: Array,
-) -> None:
+) -> tuple[Array, Array, Array]:
     """Shares the torques of a motion among muscles, sample after sample.
 
     Args:
@@ -210,21 +181,24 @@ def share(
         force: Force at full activation [N], shape (samples, muscles).
         wanted: Torques [N·m], shape (samples, axes).
         equal: Number of rows whose torque is wanted exactly; in the others more is as well.
-        least: Least activation, shape (samples, muscles).
+        least: Least activation.
         before: Activation a period before the first sample, shape (muscles,); NaN where any may be.
         dt: Time between samples, in which activation changes [s]; infinite for samples that have
             nothing to do with each other.
         cost: What is minimized.
+
+    Returns:
         activation: The activations, shape (samples, muscles).
         reserve: Torque that muscles do not give [N·m], shape (samples, axes).
         missed: Greatest miss [N·m], shape (samples,).
     """
     samples, axes, muscles = arms.shape
-    x, lever = np.zeros(axes), np.empty((axes, muscles))
+    activation, reserve = np.empty((samples, muscles)), np.empty((samples, axes))
+    missed, x, lever = np.empty(samples), np.zeros(axes), np.empty((axes, muscles))
     low, high = np.empty(muscles), np.ones(muscles)
     for n in range(samples):
         for m in range(muscles):
-            low[m] = least[n, m]
+            low[m] = least
             a = activation[n - 1, m] if n > 0 else before[m]
             if dt < math.inf and not math.isnan(a):
                 change = 0.5 + 1.5 * a
@@ -233,22 +207,5 @@ def share(
             for k in range(axes):
                 lever[k, m] = arms[n, k, m] * force[n, m]
         missed[n] = minimize(x, Problem(lever, wanted[n], equal, low, high, cost), activation[n])
-        for k in range(axes):
-            reserve[n, k] = cost.softness * x[k]
-
-
-def shared(
-    arms: Array,
-    force: Array,
-    wanted: Array,
-    equal: int,
-    least: Array,
-    before: Array,
-    dt: float,
-    cost: Cost,
-) -> tuple[Array, Array]:
-    """Returns the activations of `share`, and the torque that muscles do not give [N·m]."""
-    activation, reserve = np.empty_like(force), np.empty_like(wanted)
-    given = (arms, force, wanted, equal, least, before, dt, cost)
-    share(*given, activation, reserve, np.empty(len(force)))
-    return activation, reserve
+        reserve[n] = cost.softness * x
+    return activation, reserve, missed

@@ -14,8 +14,9 @@ from .model_based import (
 )
 from .network import Network
 from .observers import MomentumObserver
-from .registry import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
+from .registry import POLICIES, make_policy, needed_options, policy_spec
 from .saving import save_policy
+from .spec import AnyPolicy, PolicySpec
 from .trained import environment_of
 
 __all__ = [

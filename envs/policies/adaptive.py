@@ -24,6 +24,9 @@ NOISE = 0.1  # share of the torque: noise of pads between person and suit
 QUIET = 0.2  # N·m, the least error that counts
 SCALES = (0.02, 50.0)  # factors of the hysteresis; any above 0 keeps the certificate
 LARGEST = np.array([0.0, 40.0, 20.0, 3.0])  # bounds of the other terms
+# Of iterative learning: noise and the lag of the motors are beyond the cutoff.
+LEARNED_CUTOFF = 4.0  # [Hz], greatest frequency that is learned
+LONGEST = 60.0  # [s], greatest time of a cycle
 
 
 class Adaptive(ModelBased):
@@ -39,12 +42,10 @@ class Adaptive(ModelBased):
     Source: Tan and Baras 2004 (recursive identification of hysteresis), Åström and Wittenmark 1995.
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes at first of person, suit and load.
         forgetting: Time after which old data count for a third [s], 1 to 1,000.
-        delay: Age of the torque between person and suit [s], 0 to 0.5.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
+
+    Attributes:
+        estimate: Factors of believed resistance, angle [N·m/rad], 1 [N·m] and weight, (n, 2, 4).
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
@@ -70,23 +71,16 @@ class Adaptive(ModelBased):
             LowPass(CUTOFF, self.dt) for _ in range(3)
         )
 
-    @property
-    def estimate(self) -> Array:
-        """Factors of believed resistance, angle [N·m/rad], 1 [N·m] and weight, (n, 2, 4)."""
-        return self._theta
-
     def begin(self, seen: Seen) -> None:
         """Begins with what is believed."""
         super().begin(seen)
-        shape = (len(seen["angle"]), len(self.peak), len(SPREAD))
-        self._theta = np.zeros(shape) + BELIEVED
-        self._covariance = np.zeros((*shape, len(SPREAD)))
-        self._covariance[:] = np.diag(SPREAD**2)
-        terms = self._terms(seen, 0.0)
-        momentum, _ = self._carried(seen)
+        shape = (len(seen["angle"]), len(self.peak))
+        self.estimate = np.tile(BELIEVED, (*shape, 1))
+        self._covariance = np.tile(np.diag(SPREAD**2), (*shape, 1, 1))
+        terms, (momentum, _) = self._terms(seen, 0.0), self._carried(seen)
         self._past: list[tuple[Array, Array, Array, Array]] = []
         self._terms_slowly.begin(terms)
-        self._torque_slowly.begin((self._theta * terms).sum(axis=-1))
+        self._torque_slowly.begin((self.estimate * terms).sum(axis=-1))
         self._momentum_slowly.begin(momentum)
         self._slow = momentum
 
@@ -100,7 +94,7 @@ class Adaptive(ModelBased):
             self._observe(*self._past.pop(0), person_torque(seen))
         soon = seen["angle"] + self.lead * rate
         own = self._whole(soon) - self._weight(soon)
-        corrected = (self._theta * self._terms(seen, self.lead)).sum(axis=-1)
+        corrected = (self.estimate * self._terms(seen, self.lead)).sum(axis=-1)
         return corrected + own + self.friction(rate[:, self.assisted])
 
     def _observe(
@@ -120,13 +114,13 @@ class Adaptive(ModelBased):
             measured: Torque that they should explain [N·m], shape (n, 2).
             moving: Which joints move, so that there is something to learn, shape (n, 2).
         """
-        error = measured - (self._theta * terms).sum(axis=-1)
+        error = measured - (self.estimate * terms).sum(axis=-1)
         noise = (QUIET + NOISE * np.abs(measured)) ** 2 * LASTING / self.dt
         learns = moving & np.isfinite(error)
         spread = np.einsum("nijk,nik->nij", self._covariance, terms)
         gain = spread / (self._keep * noise + (terms * spread).sum(axis=-1))[..., None]
         step = np.where(learns[..., None], gain * np.where(learns, error, 0.0)[..., None], 0.0)
-        self._theta = projected(self._theta + step)
+        self.estimate = projected(self.estimate + step)
         fresh = (self._covariance - gain[..., :, None] * spread[..., None, :]) / self._keep
         wound = np.einsum("nijj->nij", fresh) > SPREAD**2
         fresh = np.where(wound.any(axis=-1)[..., None, None], fresh * self._keep, fresh)
@@ -143,20 +137,10 @@ class Adaptive(ModelBased):
 
 
 def projected(theta: Array) -> Array:
-    """Returns the nearest factors that keep the certificate and are physical.
-
-    Args:
-        theta: Factors, shape (..., 4).
-    """
+    """Returns the nearest factors that keep the certificate and are physical, shape (..., 4)."""
     found = np.clip(theta, -LARGEST, LARGEST)
     found[..., 0] = np.clip(theta[..., 0], *SCALES)
     return found
-
-
-LEARNED_CUTOFF = (
-    4.0  # [Hz], greatest frequency that is learned; noise and the motors' lag are beyond
-)
-LONGEST = 60.0  # s
 
 
 class IterativeLearning(Compensation):
@@ -170,13 +154,8 @@ class IterativeLearning(Compensation):
     compensation. Source: Zhang, Cheah and Collins (the best of nine torque controllers).
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
-        gain: Share L of what is missing that is added, 0 to 1.
+        gain: Share L of the missing torque that is added, 0 to 1.
         period: Time of a cycle [s]; 0 is that of the task.
-        delay: Age of the torque between person and suit [s], 0 to 0.5.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
@@ -225,12 +204,12 @@ class IterativeLearning(Compensation):
 
 
 def learned(known: Array, missing: Array, gain: float, ahead: int, dt: float) -> Array:
-    """Returns the torques of the next cycle.
+    """Returns the torques of the next cycle [N·m].
 
     Args:
         known: Torques of this cycle [N·m], shape (periods, ...).
-        missing: What was missing in it, the same shape.
-        gain: Share of it that is added.
+        missing: Missing torques of this cycle [N·m], the same shape.
+        gain: Share of the missing torques that is added.
         ahead: Periods by which torques are given earlier than they are missing.
         dt: Control period [s].
     """

@@ -57,12 +57,13 @@ class TorquePolicy:
     and `rate` [rad/s] of the four joints, shape (n, 4), and `motor_torque` over the peak, shape
     (n, 2), are in all of them.
 
-    Args:
-        plant: What the policy may know of the arms.
+    Arguments that subclasses share are described here: `plant` is what the policy may know of the
+    arms, `belief` what the controller believes of person, suit and load, `lead` the time by which
+    the motors answer late [s], 0 to 0.2, `friction` the share of the motors' friction that is
+    cancelled, 0 to 1, and `delay` the age of the torque between person and suit [s], 0 to 0.5.
 
     Attributes:
-        sensors: Names of the sensor suites that the class needs, a class attribute; the encoders
-            alone where a subclass has none.
+        sensors: Names of the sensor suites that the class needs.
         assisted: Indices of the assisted joints, shoulder and elbow, among the four.
         peak: Peak torque of the motors [N·m], shape (2,).
         dt: Control period [s].
@@ -80,17 +81,7 @@ class TorquePolicy:
         self._rows = 0
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Returns the torques over the peaks, clipped to [-1, 1].
-
-        Args:
-            observation: Observation of one arm, shape (size,), or of rows, shape (..., size).
-
-        Returns:
-            The action, shape (..., 2).
-
-        Raises:
-            InputError: There are more or fewer arms than since the reset.
-        """
+        """Returns the torques over the peaks, clipped to [-1, 1]; see `Policy.act`."""
         rows = observation.reshape(-1, observation.shape[-1])
         seen = {name: rows[:, part].astype(np.float64) for name, part in self._layout.items()}
         if not self._rows:
@@ -105,18 +96,12 @@ class TorquePolicy:
         return share.reshape(*observation.shape[:-1], len(self.peak))
 
     def begin(self, seen: Seen) -> None:
-        """Makes the memory anew; without a memory there is nothing to do.
-
-        Args:
-            seen: Parts of the first observations of an episode by name, shape (n, size) each.
-        """
+        """Makes the memory anew; `seen` are the parts of the first observations of an episode."""
 
     def torque(self, seen: Seen) -> Array:
         """Returns the torque of the motors [N·m], shape (n, 2); it may be beyond their peaks.
 
-        It is called once per control period, and moves the memory on.
-
-        Args:
-            seen: Parts of the observations by name, shape (n, size) each.
+        It is called once per control period with the parts of the observations by name, shape
+        (n, size) each, and moves the memory on.
         """
         raise NotImplementedError

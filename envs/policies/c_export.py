@@ -43,12 +43,8 @@ def policy_header(name: str, policy: Policy, prefix: str) -> tuple[str, list[Par
 
     Args:
         name: Policy as it was given, for comments.
-        policy: The policy, as `make_policy` has made it.
+        policy: The policy, as `make_policy` has made it, one of `exportable`.
         prefix: Name with which all names of the header begin.
-
-    Raises:
-        InputError: The policy is none of `exportable`, or a model of its suit has no C code.
-        UncertifiedModelError: The torque of its suit could become infinite.
     """
     if not isinstance(policy, ModelBased) or not _sums(type(policy)):
         raise InputError(
@@ -72,14 +68,12 @@ def policy_header(name: str, policy: Policy, prefix: str) -> tuple[str, list[Par
         header.include(Path(__file__).with_name("carry.c"))
     else:
         header.add(NO_WEIGHT)
+    friction = policy.friction
     header.table("as_peak", policy.peak)
-    header.table("as_coulomb", policy.friction.coulomb)
-    header.table("as_viscous", policy.friction.viscous)
-    for constant, value in (
-        ("lead", policy.lead),
-        ("friction_share", policy.friction.share),
-        ("turning_rate", TURNING),
-    ):
+    header.table("as_coulomb", friction.coulomb)
+    header.table("as_viscous", friction.viscous)
+    constants = {"lead": policy.lead, "friction_share": friction.share, "turning_rate": TURNING}
+    for constant, value in constants.items():
         header.add(f"static const as_real as_{constant} = {literal(value)};")
     places = [JOINTS.index(joint) for joint in ASSISTED]
     header.add(f"static const int as_assisted[2] = {{{places[0]}, {places[1]}}};")
@@ -191,9 +185,9 @@ def _golden(policy: ModelBased) -> list[str]:
         if i == 0:
             policy.begin(seen)
         torque = np.clip(policy.torque(seen), -policy.peak, policy.peak)[0]
-        rows.append(f"  {_row(angle, 4)}  {_row(rate, 4)}  {_row(torque, 16)}")
+        rows.append(f"  {_row(angle, 1)}  {_row(rate, 1)}  {_row(torque, 12)}")
     return ["Golden values of the first steps (double): angles, rates, torques.", "", *rows]
 
 
-def _row(values: Array, digits: int) -> str:
-    return " ".join(f"{value:.{digits - 3 if digits < 10 else 12}f}" for value in values)
+def _row(values: Array, decimals: int) -> str:
+    return " ".join(f"{value:.{decimals}f}" for value in values)

@@ -35,7 +35,7 @@ class Guard(TorquePolicy):
         super().__init__(plant)
         self._policy = policy
         self._needed = Compensation(plant, belief)
-        self._needed.lead = 0.0  # its work now
+        self._needed.lead = 0.0  # the ledger needs the work of this period
 
     def reset(self) -> None:
         """Clears the memory of the last episode, the guarded policy's too."""
@@ -66,15 +66,7 @@ class Guard(TorquePolicy):
 
 
 def updated_ledger(ledger: Array, needed: Array, given: Array, rate: Array, dt: float) -> Array:
-    """Returns ledgers after a control period [J], shape (n,).
-
-    Args:
-        ledger: Ledgers before [J], shape (n,).
-        needed: Torque that the belief needs [N·m], shape (n, 2).
-        given: Torque of the motors [N·m], shape (n, 2).
-        rate: Rates of the joints [rad/s], shape (n, 2).
-        dt: Control period [s].
-    """
+    """Returns ledgers after a control period [J]; the motors have given a torque [N·m], (n, 2)."""
     return np.minimum(ledger + ((needed - given) * rate).sum(axis=1) * dt, RESERVE)
 
 
@@ -91,9 +83,9 @@ def lessen(
         dt: Control period [s].
     """
     over = ((wanted - needed) * rate).sum(axis=1) * dt - ledger
-    turning = (rate**2).sum(axis=1)
-    lessened = (over > 0) & (turning > STILLEST) & (((wanted * rate).sum(axis=1)) > 0)
+    turning, power = (rate**2).sum(axis=1), (wanted * rate).sum(axis=1)
+    lessened = (over > 0) & (turning > STILLEST) & (power > 0)
     damping = np.where(lessened, over / np.where(lessened, turning * dt, 1.0), 0.0)
     # Damping beyond a torque without work would brake the wearer.
-    most = np.where(lessened, (wanted * rate).sum(axis=1) / np.where(lessened, turning, 1.0), 0.0)
+    most = np.where(lessened, power / np.where(lessened, turning, 1.0), 0.0)
     return wanted - np.minimum(damping, most)[:, None] * rate, lessened

@@ -5,7 +5,7 @@ where the joint will be when the motors have answered; friction is at the measur
 references stand here too: no assist, the true suit torque, and a plan that was made beforehand.
 """
 
-from dataclasses import dataclass
+import math
 from typing import ClassVar
 
 import numpy as np
@@ -17,6 +17,7 @@ from ..belief import LEAD, Belief, BelievedArm, BelievedSuit, BelievedWeight
 from ..model import Exo
 from ..plant import Plant
 from ..provenance import numbers_of, values_of
+from ..simulation.simulation import PREVIEW
 from .base import Seen, TorquePolicy
 
 PROVENANCE = numbers_of("friction")
@@ -26,19 +27,20 @@ TURNING = _VALUE["friction.turning_rate"]  # rad/s
 LONGEST_LEAD = 0.2  # s
 
 
-@dataclass(frozen=True, eq=False)
 class Friction:
     """The friction of the motors, as a function from rates [rad/s], (n, 2), to torques [N·m].
 
-    Attributes:
+    Args:
+        exo: Exoskeleton whose motors they are.
         share: Share of the friction that is meant.
-        coulomb: Coulomb friction of each motor [N·m], shape (2,).
-        viscous: Viscous friction of each motor [N·m·s/rad], shape (2,).
+        viscous: Whether the viscous part is meant too, which the measured torque of a motor is
+            without.
     """
 
-    share: float
-    coulomb: Array
-    viscous: Array
+    def __init__(self, exo: Exo, share: float, *, viscous: bool = True) -> None:
+        motors = exo.motors.values()
+        self.share, self.coulomb = share, np.array([motor.coulomb for motor in motors])
+        self.viscous = np.array([motor.viscous if viscous else 0.0 for motor in motors])
 
     def __call__(self, rate: Array) -> Array:
         """Returns the torque that overcomes it [N·m], shape (n, 2)."""
@@ -49,17 +51,12 @@ class ModelBased(TorquePolicy):
     """Gives the sum of believed torques.
 
     Args:
-        plant: What the policy may know of the arms.
+        plant: What the policy may know of the arms; its `config` is the arm that the policy
+            believes in, if `make_policy` has made it.
         weight: Weight that is carried; None carries nothing.
         suit: Follower of the suit whose torque is cancelled; None cancels none.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
         lead: Time by which the motors answer late [s], 0 to 0.2.
-
-    Attributes:
-        config: Arm that the policy believes in, if `make_policy` has made it.
-        weight: Weight that is carried, or None.
-        suit: Follower of the suit, or None.
-        friction: Friction that is cancelled.
     """
 
     def __init__(
@@ -76,7 +73,7 @@ class ModelBased(TorquePolicy):
         self.config = plant.config
         self.weight, self.suit, self.lead = weight, suit, lead
         within("friction", friction, 0, 1)
-        self.friction = friction_of(plant.config.exo, friction)
+        self.friction = Friction(plant.config.exo, friction)
 
     def begin(self, seen: Seen) -> None:
         """Begins the suit's memory in the state in which the true suit begins."""
@@ -100,31 +97,13 @@ class ModelBased(TorquePolicy):
         return self.suit.follow(self._memory, angle, rate, self.lead)
 
 
-def friction_of(exo: Exo, share: float, *, viscous: bool = True) -> Friction:
-    """Returns the friction of the motors.
-
-    Args:
-        exo: Exoskeleton whose motors they are.
-        share: Share of the friction that is meant.
-        viscous: Whether the viscous part is meant too, which the measured torque of a motor is
-            without.
-    """
-    coulomb = np.array([motor.coulomb for motor in exo.motors.values()])
-    by_rate = np.array([motor.viscous if viscous else 0.0 for motor in exo.motors.values()])
-    return Friction(share, coulomb, by_rate)
-
-
 class HysteresisFeedforward(ModelBased):
     """Cancels the suit torque that a believed model predicts, with a memory of its own.
 
     Law: the resistance of the model at the measured angle plus `lead` times the measured rate; see
-    `BelievedSuit`. Tuning: the lead is the motors' lag and half a control period.
+    `BelievedSuit`. A joint that the believed suit lacks gets no assist.
+    Tuning: the lead is the motors' lag and half a control period.
     Source: inverse compensation of hysteresis, Hassani et al. 2014 (survey).
-
-    Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of the suit; a joint that it lacks gets no assist.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
     """
 
     def __init__(self, plant: Plant, belief: Belief | None = None, *, lead: float = LEAD) -> None:
@@ -137,10 +116,6 @@ class GravityCompensation(ModelBased):
     Law: the static torque of the believed masses at the measured angles. Tuning: none. With cuffs
     it uses the exoskeleton's angles for the arm's; they differ because cuffs yield.
     Source: weight support of arm exoskeletons, such as Bardi et al. 2024 (arXiv 2406.18412).
-
-    Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
     """
 
     def __init__(self, plant: Plant, belief: Belief | None = None) -> None:
@@ -150,11 +125,8 @@ class GravityCompensation(ModelBased):
 class Transparent(ModelBased):
     """Carries the exoskeleton itself, and cancels the friction of its motors.
 
-    What it leaves is suit, load and the arm, as if the exoskeleton had been left at home, but for
-    its inertia. Tuning: none.
-
-    Args:
-        plant: What the policy may know of the arms.
+    The person carries suit, load and arm, as if the exoskeleton had been left at home, but for the
+    inertia of the exoskeleton. Tuning: none.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -165,13 +137,9 @@ class Compensation(ModelBased):
     """Carries the weight of all, the arm's too, and cancels suit and friction.
 
     Law: gravity, feedforward and the motors' friction together. Tuning: as of its parts.
-
-    Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
-        friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
+
+    weight_of = staticmethod(BelievedArm.whole_weight)
 
     def __init__(
         self,
@@ -185,11 +153,6 @@ class Compensation(ModelBased):
         weight, suit = self.weight_of(arm), arm.suit()
         super().__init__(plant, weight=weight, suit=suit, friction=friction, lead=lead)
 
-    @staticmethod
-    def weight_of(arm: BelievedArm) -> BelievedWeight:
-        """Returns the weight that is carried."""
-        return arm.whole_weight()
-
 
 class Complement(Compensation):
     """Does what compensation does, but leaves the wearer the weight of the bare arm.
@@ -198,18 +161,65 @@ class Complement(Compensation):
     suit. Tuning and arguments: as of compensation.
     """
 
-    @staticmethod
-    def weight_of(arm: BelievedArm) -> BelievedWeight:
-        """Returns the weight of all but the bare arm."""
-        return arm.carried_weight()
+    weight_of = staticmethod(BelievedArm.carried_weight)
+
+
+class Impedance(Compensation):
+    """Pulls the arm along the intention by springs and dampers, beside compensation.
+
+    Law: compensation + K (q_d - q) + B (q_d' - q'), all at the angles of soon.
+    Tuning rule: K = M w² and B = 2 z M w with the believed inertia M of each joint, the bandwidth
+    w and the damping ratio z; w is a fifth of the inverse of the loop's lag, 0.03 s.
+    Signals needed: encoders and a preview of the intention. Where the preview is wrong the policy
+    fights the wearer.
+    Source: Hogan 1985, Impedance control, J. Dyn. Syst. Meas. Control 107, 1-24.
+
+    Args:
+        bandwidth: Natural frequency of the believed arm on the springs [Hz], 0 to 3.
+        damping_ratio: Damping ratio, 0 to 3.
+    """
+
+    sensors = ("encoders", "preview")
+
+    def __init__(
+        self,
+        plant: Plant,
+        belief: Belief | None = None,
+        *,
+        bandwidth: float = 1.0,
+        damping_ratio: float = 1.0,
+    ) -> None:
+        super().__init__(plant, belief)
+        within("bandwidth", bandwidth, 0, 3, " Hz")
+        within("damping_ratio", damping_ratio, 0, 3)
+        inertia, pole = plant.believed(belief).inertia().nominal(), math.tau * bandwidth
+        self.stiffness, self.damping = inertia * pole**2, 2 * damping_ratio * inertia * pole
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns compensation and the pull of springs and dampers [N·m], shape (n, 2)."""
+        angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
+        target, target_rate = intended(seen["target"])
+        pull = self.stiffness * (target - angle - self.lead * rate)
+        return super().torque(seen) + pull + self.damping * (target_rate - rate)
+
+
+def intended(target: Array) -> tuple[Array, Array]:
+    """Returns angle [rad] and rate [rad/s] that are intended soon, shape (n, 2) each.
+
+    Soon is at the nearest previewed time, when the motors have answered. The rate there is that of
+    the parabola through the three previewed angles.
+
+    Args:
+        target: Previewed angles [rad], the nearest first, shape (n, 6).
+    """
+    now, next_, last = target[:, 0:2], target[:, 2:4], target[:, 4:6]
+    near, far = PREVIEW[1] - PREVIEW[0], PREVIEW[2] - PREVIEW[0]
+    first, second = (next_ - now) / near, (last - now) / far
+    return now, (far * first - near * second) / (far - near)
 
 
 class NoAssist(TorquePolicy):
-    """Gives no torque: the wearer alone works against suit, weight and motor friction.
-
-    Args:
-        plant: What the policy may know of the arms.
-    """
+    """Gives no torque: the wearer alone works against suit, weight and motor friction."""
 
     def torque(self, seen: Seen) -> Array:
         """Returns zeros."""
@@ -217,11 +227,7 @@ class NoAssist(TorquePolicy):
 
 
 class Oracle(TorquePolicy):
-    """Cancels the true suit torque of this moment; only the delay of the motors remains.
-
-    Args:
-        plant: What the policy may know of the arms.
-    """
+    """Cancels the true suit torque of this moment; only the delay of the motors remains."""
 
     sensors = ("encoders", "privileged")
 

@@ -6,6 +6,7 @@ Neither file can run code, and neither needs torch.
 import hashlib
 import json
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +31,7 @@ ACTIVATIONS: dict[str, Callable[[Array], Array]] = {
     "relu": lambda values: np.maximum(values, 0.0),
 }
 LAYER, LSTM = "layer", "lstm"  # prefixes of the names of weights
-_LSTM = (f"{LSTM}.input", f"{LSTM}.hidden", f"{LSTM}.bias")
+LSTM_ARRAYS = (f"{LSTM}.input", f"{LSTM}.hidden", f"{LSTM}.bias")
 
 
 class Residual(BaseModel):
@@ -48,12 +49,10 @@ class Residual(BaseModel):
 
 
 class Card(BaseModel):
-    """What belongs to the weights of a policy.
+    """What belongs to the weights of a policy; `activation` and `squashed` are as of `Network`.
 
     Attributes:
         format: Version of the two files.
-        activation: Function between the layers.
-        squashed: Whether the last layer's values pass tanh; else they are clipped to -1 and 1.
         weights: SHA-256 of the file of weights; None before the first checkpoint.
         observation: What the network observes; see `observed`.
         contract: Hash of `observation`.
@@ -103,29 +102,40 @@ class Network:
         if self.activation not in [*ACTIVATIONS]:
             raise unknown_name("activation", self.activation, ACTIVATIONS)
         recurrent = any(name.startswith(f"{LSTM}.") for name in self.weights)
-        known = [*(_LSTM if recurrent else ()), *(name for pair in self.layers for name in pair)]
+        known = [
+            *(LSTM_ARRAYS if recurrent else ()),
+            *(one for pair in self.layers for one in pair),
+        ]
         for name in known:
-            _check_numbers(self.weights, name, 1 if name.endswith("bias") else 2)
+            if name not in self.weights:
+                raise InputError(f"the network has no {name}: give it")
+            _check_numbers(name, self.weights[name], 1 if name.endswith("bias") else 2)
         for name in self.weights:
             if name not in known:
                 raise unknown_name("array of the network", name, known)
-        size = self.inputs
-        if self.hidden:
-            _check(self.weights, f"{LSTM}.input", (4 * self.hidden, size))
-            _check(self.weights, f"{LSTM}.hidden", (4 * self.hidden, self.hidden))
-            _check(self.weights, f"{LSTM}.bias", (4 * self.hidden,))
+        size, gates = self.inputs, 4 * self.hidden
+        shapes: dict[str, tuple[int, ...]] = {}
+        if gates:
+            shapes |= dict(
+                zip(LSTM_ARRAYS, ((gates, size), (gates, self.hidden), (gates,)), strict=True)
+            )
             size = self.hidden
         for weight, bias in self.layers:
-            shape = self.weights[weight].shape
-            _check(self.weights, weight, (shape[0], size))
-            _check(self.weights, bias, (shape[0],))
-            size = shape[0]
+            before, size = size, self.weights[weight].shape[0]
+            shapes |= {weight: (size, before), bias: (size,)}
+        for name, shape in shapes.items():
+            found = self.weights[name].shape
+            if found != shape:
+                raise InputError(
+                    f"the network's {name} has the shape {found}, and the layers before it need "
+                    f"{shape}: restore its file, or train again"
+                )
 
     @property
     def layers(self) -> list[tuple[str, str]]:
         """Names of weight and bias of each layer, of which there is at least one."""
         count = sum(
-            name.startswith(f"{LAYER}.") and name.endswith(".weight") for name in self.weights
+            re.fullmatch(rf"{LAYER}\..*\.weight", name) is not None for name in self.weights
         )
         return [(f"{LAYER}.{i}.weight", f"{LAYER}.{i}.bias") for i in range(max(1, count))]
 
@@ -150,14 +160,11 @@ class Network:
         return np.zeros((2, rows, self.hidden))
 
     def act(self, observation: NDArray[np.floating[Any]], memory: Array) -> Array:
-        """Returns the mean action of rows, and moves their memory on, in place.
+        """Returns the mean actions of rows, from -1 to 1, shape (rows, outputs).
 
         Args:
-            observation: Shape (rows, inputs).
-            memory: Output and state of the LSTM, shape (2, rows, hidden).
-
-        Returns:
-            Actions from -1 to 1, shape (rows, outputs).
+            observation: Observations of the rows, shape (rows, inputs).
+            memory: Output and state of the LSTM, shape (2, rows, hidden), which are changed.
         """
         values = np.asarray(observation, float)
         if self.hidden:
@@ -185,15 +192,9 @@ def _sigmoid(values: Array) -> Array:
     return 0.5 * (1 + np.tanh(0.5 * values))
 
 
-def _check_numbers(weights: Mapping[str, Any], name: str, dimensions: int) -> None:
-    if name not in weights:
-        raise InputError(f"the network has no {name}: give it")
-    found = weights[name]
-    if (
-        not isinstance(found, np.ndarray)
-        or found.dtype not in (np.float32, np.float64)
-        or found.ndim != dimensions
-    ):
+def _check_numbers(name: str, found: Any, dimensions: int) -> None:
+    numbers = isinstance(found, np.ndarray) and found.dtype in (np.float32, np.float64)
+    if not numbers or found.ndim != dimensions:
         raise InputError(
             f"the network's {name} is {shown(found)}: give an array of NumPy with {dimensions} "
             "dimensions, of the type float32 or float64"
@@ -201,15 +202,6 @@ def _check_numbers(weights: Mapping[str, Any], name: str, dimensions: int) -> No
     if not np.isfinite(found).all():
         raise InputError(
             f"the network's {name} has values that are not finite: restore its file, or train again"
-        )
-
-
-def _check(weights: Mapping[str, NDArray[Any]], name: str, shape: tuple[int, ...]) -> None:
-    found = weights[name]
-    if found.shape != shape:
-        raise InputError(
-            f"the network's {name} has the shape {found.shape}, and the layers before it need "
-            f"{shape}: restore its file, or train again"
         )
 
 
@@ -239,12 +231,12 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
             f"{str(folder)!r} is neither a policy name nor a trained policy: it has no readable "
             f"{CARD}; train it, or save one with `save_policy`"
         )
-    name, fix = str(path), "restore it, or train again"
-    card = modelled(read_json(path, "policy"), Card, name, "card of a policy", fix)
+    fix = "restore it, or train again"
+    card = modelled(read_json(path, "policy"), Card, str(path), "card of a policy", fix)
     if contract_of(card.observation) != card.contract:
         raise InputError(
             f"{str(path)!r} has the contract {shown(card.contract)}, which is not that of its "
-            "observation: restore it, or train again"
+            f"observation: {fix}"
         )
     return card
 
@@ -282,12 +274,7 @@ def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
 
 
 def files_of(card: Card, network: Network) -> dict[str, bytes]:
-    """Returns the two files of a policy by name, weights first.
-
-    Args:
-        card: The card; what it says of the network is filled in.
-        network: The network.
-    """
+    """Returns the two files of a policy by name, weights first; the card's hash is filled in."""
     from safetensors.numpy import save
 
     content = save({name: np.ascontiguousarray(one) for name, one in network.weights.items()})

@@ -15,7 +15,7 @@ from ..model.cuffs import CUFFS
 from ..plant import Plant
 from ..simulation.measurements import smoothing
 from .base import Seen
-from .model_based import SHARE, Compensation, ModelBased, friction_of
+from .model_based import SHARE, Compensation, Friction, ModelBased
 
 
 class LowPass:
@@ -30,7 +30,7 @@ class LowPass:
         self._share = smoothing(cutoff, dt)
 
     def begin(self, value: Array) -> None:
-        """Begins at rest at a value, any shape."""
+        """Begins at rest at a value of any shape."""
         self._value = value.copy()
 
     def step(self, value: Array) -> Array:
@@ -40,7 +40,7 @@ class LowPass:
 
 
 class SecondOrderLowPass:
-    """A critically damped low-pass of second order, which tells the rate of its output as well.
+    """A critically damped low-pass of second order, which returns the rate of its output as well.
 
     Args:
         cutoff: Natural frequency [Hz], at which the output is 6 dB lower.
@@ -68,20 +68,15 @@ class SecondOrderLowPass:
 class Carried:
     """Believed momentum of suit, exoskeleton and load, and the torques upon them that are known.
 
-    Unknown are the suit's torque and the person's, which `person_torque` measures.
-
-    The bare arm is no part of it: `interaction_torque` is what the person gives beyond what the
-    bare arm needs, and moves these alone.
-
-    Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
+    Unknown are the suit's torque and the person's, which `person_torque` measures. The bare arm is
+    no part of the momentum: `interaction_torque` is the person's torque beyond what the bare arm
+    needs, and moves suit, exoskeleton and load alone.
     """
 
     def __init__(self, plant: Plant, belief: Belief | None) -> None:
         arm = plant.believed(belief)
         self._inertia, self._weight = arm.carried_inertia(), arm.carried_weight()
-        self._friction = friction_of(arm.config.exo, 1.0, viscous=False)
+        self._friction = Friction(arm.config.exo, 1.0, viscous=False)
         self._peak = np.array([motor.peak_torque for motor in arm.config.exo.motors.values()])
 
     def __call__(self, seen: Seen) -> tuple[Array, Array]:
@@ -140,14 +135,11 @@ class ObserverAssist(ModelBased):
     back has a gain of at most K times 0.05 s, which the default makes one half.
     Signals needed: encoders and the interaction torque. Without a measurement of the person the
     residual contains the person's torque as well, and a policy that cancels it fights the
-    wearer: relief is then that of motors that are off.
+    wearer: relief is then that of motors that are off. The believed suit does not matter.
     Source: De Luca and Mattone 2003 (see `MomentumObserver`).
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of masses; it needs no suit.
         bandwidth: Bandwidth K of the observer [rad/s], 0.1 to 20.
-        lead: Time by which the motors answer late [s], 0 to 0.2.
     """
 
     sensors = ("encoders", "interaction")
@@ -191,8 +183,6 @@ class DisturbanceObserver(Compensation):
     Source: Ohnishi, Shibata and Murakami 1996, IEEE/ASME T-Mech 1; Chen et al. 2016, IEEE T-IE 63.
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
         bandwidth: Natural frequency of the filter Q [Hz], 0.1 to 5.
     """
 
@@ -244,7 +234,7 @@ class CorrectedCompensation(Compensation):
     Signals needed: encoders and cuffs (coupling="cuffs").
     Source: joint angles from the deflection of physical interfaces, Schiele and van der Helm 2006,
     Kinematic design to improve ergonomics in human machine interaction, IEEE TNSRE 14(4), for the
-    error; the correction is ours. Arguments: as of compensation.
+    error; the correction is ours.
     """
 
     sensors = ("encoders", "cuffs")

@@ -11,13 +11,12 @@ from onnx.reference import ReferenceEvaluator
 
 from ... import __version__
 from ...arrays import AnyArray, Array
-from ..observation import SUITES, Part, checked_sensors
-from .network import LSTM, Card, Network
+from ..observation import SUITES, checked_sensors
+from .network import LSTM, LSTM_ARRAYS, Card, Network
 
 OPSET, IR_VERSION = 17, 8  # versions of 2022, which older runtimes read, too
 OBSERVATIONS = 1000  # number of those in the check
 OPERATORS = {"tanh": "Tanh", "relu": "Relu"}
-_LSTM = (f"{LSTM}.input", f"{LSTM}.hidden", f"{LSTM}.bias")
 
 
 def onnx_model(card: Card, network: Network) -> onnx.ModelProto:
@@ -25,11 +24,7 @@ def onnx_model(card: Card, network: Network) -> onnx.ModelProto:
 
     The input `observation`, shape (batch, size), gives the output `action`, shape (batch, motors).
     A network with an LSTM also has the input `memory` and the output `next_memory`, shape
-    (2, batch, hidden).
-
-    Args:
-        card: Card of the policy, which becomes the model's metadata.
-        network: Network of the policy.
+    (2, batch, hidden). The card of the policy becomes the metadata of the model.
     """
     inputs = [_described("observation", ["batch", network.inputs], "See the metadata.")]
     outputs = [
@@ -70,13 +65,8 @@ def onnx_model(card: Card, network: Network) -> onnx.ModelProto:
 def differences(model: onnx.ModelProto, network: Network) -> dict[str, float]:
     """Returns the largest difference between the outputs of a model and of its network.
 
-    Args:
-        model: ONNX model of the network.
-        network: Network that NumPy runs.
-
-    Returns:
-        Largest difference over random observations by name of the runtime: the reference of ONNX,
-        and onnxruntime if it is installed.
+    It is over random observations, by the name of the runtime: the reference of ONNX, and
+    onnxruntime if it is installed.
     """
     runtimes: dict[str, Callable[..., Any]] = {"ONNX reference": ReferenceEvaluator(model).run}
     try:
@@ -109,23 +99,20 @@ def _described(name: str, shape: list[int | str], text: str) -> onnx.ValueInfoPr
 def _metadata(card: Card) -> dict[str, str]:
     """Returns what the network observes and where it was trained: JSON, and the contract's hash."""
     sensors = checked_sensors(card.observation.get("sensors", ()))
-    found = {
-        "observation": card.observation,
-        "parts": {part.name: _about(part) for name in sensors for part in SUITES[name]},
-        "environment": card.environment,
+    parts = {
+        part.name: {name: getattr(part, name) for name in ("shows", "unit", "limit", "scale")}
+        for suite in sensors
+        for part in SUITES[suite]
     }
+    found = {"observation": card.observation, "parts": parts, "environment": card.environment}
     text = {name: json.dumps(one, sort_keys=True) for name, one in found.items()}
     return {**text, "contract": card.contract}
-
-
-def _about(part: Part) -> dict[str, Any]:
-    return {name: getattr(part, name) for name in ("shows", "unit", "limit", "scale")}
 
 
 def _gates(network: Network) -> dict[str, AnyArray]:
     """Returns the numbers of the LSTM, with its gates in the order input, output, forget, cell."""
     found = {}
-    for name in _LSTM:
+    for name in LSTM_ARRAYS:
         opened, kept, new, shown = np.split(network.weights[name].astype(np.float32), 4)
         found[name] = np.concatenate([opened, shown, kept, new])[None]
     bias = found[f"{LSTM}.bias"]  # ONNX adds two, of the observation and of the last output
@@ -139,7 +126,7 @@ def _lstm(hidden: int) -> list[onnx.NodeProto]:
         helper.make_node("Split", ["memory"], ["output", "state"], axis=0),
         helper.make_node(
             "LSTM",
-            ["sequence", *_LSTM, "", "output", "state"],
+            ["sequence", *LSTM_ARRAYS, "", "output", "state"],
             ["", "next_output", "next_state"],
             hidden_size=hidden,
         ),

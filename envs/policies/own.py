@@ -16,17 +16,28 @@ class OwnPolicy:
 
     Args:
         name: Name of the policy.
-        policy: The policy.
         motors: Number of motors.
+        make: The user's class or function.
+        *given: Arguments of the class or function.
+        **options: Options of the class or function.
 
     Attributes:
-        policy: The policy.
+        policy: The policy that the user's code makes.
         practice: Number of rollouts in which it learns before it is scored.
     """
 
-    def __init__(self, name: str, policy: Policy, motors: int) -> None:
-        self.policy, self._name, self._motors = policy, name, motors
-        self.practice = getattr(policy, "practice", 0)
+    def __init__(
+        self, name: str, motors: int, make: Callable[..., Policy], *given: Any, **options: Any
+    ) -> None:
+        self._name, self._motors = name, motors
+        self.policy = called(f"policy {name!r} cannot be made", make, *given, **options)
+        for method in ("reset", "act"):
+            if not callable(getattr(self.policy, method, None)):
+                raise InputError(
+                    f"policy {name!r} makes {shown(self.policy)}, which has no {method}(): give a "
+                    "function that returns an object with reset() and act(observation)"
+                )
+        self.practice = getattr(self.policy, "practice", 0)
 
     def reset(self) -> None:
         """Clears the memory of the policy."""
@@ -37,36 +48,11 @@ class OwnPolicy:
         what = f"policy {self._name!r} fails in act()"
         found = called(what, lambda: np.asarray(self.policy.act(observation), np.float64))
         wanted = (*observation.shape[:-1], self._motors)
-        if found.shape != wanted:
+        bad = found[~np.isfinite(found)]
+        if found.shape != wanted or bad.size:
+            shape = f"an action of shape {found.shape}"
             raise InputError(
-                f"policy {self._name!r} returns an action of shape {found.shape}: return finite "
-                f"numbers from -1 to 1 of shape {wanted}"
-            )
-        if not np.isfinite(found).all():
-            raise InputError(
-                f"policy {self._name!r} returns {shown(found[~np.isfinite(found)][0].item())}: "
-                f"return finite numbers from -1 to 1 of shape {wanted}"
+                f"policy {self._name!r} returns {shape if found.shape != wanted else bad[0].item()}"
+                f": return finite numbers from -1 to 1 of shape {wanted}"
             )
         return found
-
-
-def own_policy(
-    name: str, make: Callable[..., Policy], motors: int, *given: Any, **options: Any
-) -> OwnPolicy:
-    """Returns what a user's code makes, if it can act.
-
-    Args:
-        name: Name of the policy.
-        make: The user's class or function.
-        motors: Number of motors.
-        *given: Its arguments.
-        **options: Its options.
-    """
-    policy = called(f"policy {name!r} cannot be made", make, *given, **options)
-    for method in ("reset", "act"):
-        if not callable(getattr(policy, method, None)):
-            raise InputError(
-                f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
-                "that returns an object with reset() and act(observation)"
-            )
-    return OwnPolicy(name, policy, motors)

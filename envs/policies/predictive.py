@@ -41,8 +41,6 @@ class PredictiveSampling(Compensation):
     With the true suit as belief it is a bound for its kind, and no controller.
 
     Args:
-        plant: What the policy may know of the arms.
-        belief: What the controller believes of person, suit and load.
         samples: Number of plans, 4 to 64.
         horizon: Time that a plan covers [s], 0.02 to 0.5.
         spread: Standard deviation of the knots over the motors' peaks, 0 to 0.5.
@@ -73,10 +71,9 @@ class PredictiveSampling(Compensation):
         self._model.opt.timestep = self.dt / self._substeps
         self._strength = isometric_strength(arm.config.wearer).mean(axis=0)
         self._spread, self._slow = spread * self.peak, LowPass(QUICKNESS, self.dt)
-        # Knots of a correction: how much of each acts in every period of the horizon.
+        # Share of each knot of a correction in every period of the horizon.
         place = np.linspace(0, KNOTS - 1, self._ahead)
-        near = 1 - np.abs(place[:, None] - np.arange(KNOTS))
-        self._blend = np.clip(near, 0, 1)
+        self._blend = np.clip(1 - np.abs(place[:, None] - np.arange(KNOTS)), 0, 1)
 
     def begin(self, seen: Seen) -> None:
         """Begins with believed arms where the measured ones are, and plans that correct nothing."""

@@ -1,17 +1,13 @@
-"""The registry of policies: their kinds by name, and policies that are made of plain data."""
+"""The registry of policies: their classes by name, and policies that are made by name."""
 
 import inspect
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, get_type_hints
-
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from typing import Any
 
 from ...checks import within
 from ...errors import InputError, shown, unknown_name
-from ...json_files import read_json
 from ..arm_env import ArmEnv
 from ..belief import Belief
 from ..model import resisting_joints
@@ -19,49 +15,29 @@ from ..own_code import imported
 from ..plant import Plant
 from ..setup import USUAL
 from ..vector_env import ArmVectorEnv
-from .adaptive import Adaptive, IterativeLearning
+from . import adaptive, model_based, observers, predictive, trained
 from .base import Policy
 from .guard import Guard
-from .impedance import Impedance
-from .model_based import (
-    Compensation,
-    Complement,
-    GravityCompensation,
-    HysteresisFeedforward,
-    NoAssist,
-    Oracle,
-    Transparent,
-)
 from .network import Card, Network, Residual, read_card, read_network
-from .observers import CorrectedCompensation, DisturbanceObserver, ObserverAssist
-from .own import own_policy
-from .predictive import PredictiveSampling
+from .own import OwnPolicy
 from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
-from .trained import (
-    OBSERVATION,
-    TrainedPolicy,
-    check_portable,
-    environment_of,
-    folder_of,
-    portable,
-    shipped_policies,
-)
+from .spec import AnyPolicy, PolicySpec, parsed, typed
 
 POLICIES: dict[str, Callable[..., Policy]] = {
-    "none": NoAssist,
-    "transparent": Transparent,
-    "gravity": GravityCompensation,
-    "feedforward": HysteresisFeedforward,
-    "complement": Complement,
-    "compensation": Compensation,
-    "adaptive": Adaptive,
-    "iterative": IterativeLearning,
-    "predictive": PredictiveSampling,
-    "impedance": Impedance,
-    "corrected": CorrectedCompensation,
-    "observer": ObserverAssist,
-    "disturbance-observer": DisturbanceObserver,
-    "oracle": Oracle,
+    "none": model_based.NoAssist,
+    "transparent": model_based.Transparent,
+    "gravity": model_based.GravityCompensation,
+    "feedforward": model_based.HysteresisFeedforward,
+    "complement": model_based.Complement,
+    "compensation": model_based.Compensation,
+    "adaptive": adaptive.Adaptive,
+    "iterative": adaptive.IterativeLearning,
+    "predictive": predictive.PredictiveSampling,
+    "impedance": model_based.Impedance,
+    "corrected": observers.CorrectedCompensation,
+    "observer": observers.ObserverAssist,
+    "disturbance-observer": observers.DisturbanceObserver,
+    "oracle": model_based.Oracle,
 }
 _EXAMPLES = {  # policies of version 0.2 that are examples of a class of one's own
     "admittance": "admittance:Admittance",
@@ -70,86 +46,13 @@ _EXAMPLES = {  # policies of version 0.2 that are examples of a class of one's o
     "proportional": "proportional:ProportionalAssist",
     "radial-basis": "radial_basis:RadialBasisTracker",
 }
-_FIXES: dict[Any, str] = {
-    int: "give a whole number",
-    float: "give a number",
-    float | None: "give a number",
-    bool: "use true or false",
-}
 GUARD = "guard"  # name of an option that every policy has
-SAVED = ".json"  # suffix of files with a policy
-_BELIEF: dict[str, Any] = {
+_BELIEF: dict[str, Any] = {  # options of a policy that takes a belief
     "suit": Any,
     "pressure": float | None,
     "load": float | None,
     "wearer": Any,
 }
-
-
-@dataclass(frozen=True)
-class PolicySpec:
-    """A policy as plain data: which one, and what differs from its usual options.
-
-    Attributes:
-        name: Name among `POLICIES` or `shipped_policies`, the folder of a training run, or
-            "package.module:Class" for a class of your own.
-        options: Values of its options by name.
-    """
-
-    name: str
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    def __str__(self) -> str:
-        if not self.options:
-            return self.name
-        return f"{self.name}:" + ",".join(f"{name}={given}" for name, given in _flat(self.options))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns plain values: the name and the options beside it."""
-        return {"name": self.name, **self.options}
-
-
-AnyPolicy = str | Mapping[str, Any] | PolicySpec
-"""A policy by its name, as "name:option=value,option=value", or as a dict of name and options."""
-
-
-def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = False) -> PolicySpec:
-    """Parses and validates the specification of a policy.
-
-    Args:
-        given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03"; or a
-            dict, such as {"name": "feedforward", "lead": 0.03}, or a JSON file of one. Fields of a
-            field have a dot between them, as in "compensation:wearer.mass=65".
-        beside: Other names that may be given here, for the message about an unknown one.
-        trust: Whether a JSON file may name "package.module:Class", whose code then runs. A file
-            names policies of this package and training runs only if it is not trusted.
-
-    Raises:
-        InputError: There is no such policy, folder, module or option, a value is of the wrong type,
-            or a file that is not trusted names code.
-    """
-    if isinstance(given, PolicySpec):
-        spec = given
-    elif isinstance(given, str):
-        spec = _parsed(given, trust)
-    elif isinstance(given, Mapping) and isinstance(given.get("name"), str):
-        spec = PolicySpec(given["name"], {k: v for k, v in given.items() if k != "name"})
-    else:
-        raise InputError(
-            f"the policy is {shown(given)}: give a name, such as 'compensation', or a dict with one"
-        )
-    kind = PolicyKind.of(spec.name, beside)
-    known = {**kind.options, GUARD: bool} if kind.maker else {}
-    if known and spec.options.get(GUARD):
-        known = {**_BELIEF, **known}
-    options = {}
-    for name, value in spec.options.items():
-        if not known:
-            raise InputError(f"the run in {spec.name!r} has no options: leave {name} out")
-        if name not in known:
-            raise unknown_name(f"option of policy {spec.name!r}", name, known)
-        options[name] = _typed(f"option {name} of policy {spec.name!r}", value, known[name])
-    return PolicySpec(spec.name, options)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +64,7 @@ class PolicyKind:
             "package.module:Class".
         maker: Class of the policy, or a function that makes it; None for a trained one.
         folder: Folder of a trained policy; None for the others.
-        options: Types of its options by name.
+        options: Types of its options by name, which follow from the signature of `maker`.
         believes: Whether it takes a `Belief`: its suit, pressure, load and wearer.
     """
 
@@ -173,33 +76,12 @@ class PolicyKind:
 
     @classmethod
     def of(cls, name: str, beside: Sequence[str] = ()) -> "PolicyKind":
-        """Returns the kind of a name; `beside` are other names for the message about unknown ones.
-
-        Raises:
-            InputError: There is no such policy, or a class of your own cannot be imported or used.
-        """
-        if name in POLICIES:
-            return cls._made_by(name, POLICIES[name])
-        if folder := folder_of(name):
+        """Returns the kind of a name; a message about unknown ones has the names `beside` too."""
+        if name not in POLICIES and (folder := trained.folder_of(name)):
             return cls(name=name, folder=folder)
-        if name in _EXAMPLES:
-            raise InputError(
-                f"policy {name!r} is an example since version 0.3: name it "
-                f"examples.controllers.{_EXAMPLES[name]} in a clone of the source repository"
-            )
-        if not name.partition(":")[2]:
-            other = ("the folder of a training run", "package.module:Class")
-            raise unknown_name("policy", name, (*POLICIES, *shipped_policies(), *beside, *other))
-        found = imported("policy", name, "class")
-        if not callable(found):
-            raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
-        return cls._made_by(name, found)
-
-    @classmethod
-    def _made_by(cls, name: str, maker: Callable[..., Any]) -> "PolicyKind":
+        maker = POLICIES.get(name) or _own_maker(name, beside)
         try:
-            _, *rest = inspect.signature(maker).parameters.values()  # the first is the plant
-            hints = get_type_hints(maker.__init__ if isinstance(maker, type) else maker)
+            _, *rest = inspect.signature(maker, eval_str=True).parameters.values()  # after plant
         except Exception as error:  # no argument, or annotations that cannot be read
             raise InputError(
                 f"{shown(maker)} makes no policy ({type(error).__name__}: {error}): give a class "
@@ -210,8 +92,8 @@ class PolicyKind:
             if one.name == "belief":
                 options |= _BELIEF
             elif one.kind is one.KEYWORD_ONLY or one.default is not one.empty:
-                usual = type(one.default) if one.default not in (None, one.empty) else Any
-                options[one.name] = hints.get(one.name, usual)
+                usual = Any if one.default in (None, one.empty) else type(one.default)
+                options[one.name] = usual if one.annotation is one.empty else one.annotation
         believes = any(one.name == "belief" for one in rest)
         return cls(name=name, maker=maker, options=options, believes=believes)
 
@@ -226,10 +108,51 @@ class PolicyKind:
     def needs(self) -> dict[str, Any]:
         """Options of an environment in which the policy can act; see `needed_options`."""
         if self.maker is None:
-            found = environment_of(self.folder)
-            return {part: found.get(part, USUAL[part]) for part in OBSERVATION}
+            found = trained.environment_of(self.folder)
+            return {part: found.get(part, USUAL[part]) for part in trained.OBSERVATION}
         sensors = getattr(self.maker, "sensors", None)
         return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
+
+
+def _own_maker(name: str, beside: Sequence[str]) -> Callable[..., Policy]:
+    """Returns the class or function of a user's own that a name means."""
+    if name in _EXAMPLES:
+        raise InputError(
+            f"policy {name!r} is an example since version 0.3: name it "
+            f"examples.controllers.{_EXAMPLES[name]} in a clone of the source repository"
+        )
+    if not name.partition(":")[2]:
+        known = (*POLICIES, *trained.shipped_policies(), *beside)
+        other = ("the folder of a training run", "package.module:Class")
+        raise unknown_name("policy", name, (*known, *other))
+    found: Callable[..., Policy] = imported("policy", name, "class")
+    if not callable(found):
+        raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
+    return found
+
+
+def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = False) -> PolicySpec:
+    """Parses and validates the specification of a policy.
+
+    Args:
+        given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03"; or a
+            dict, such as {"name": "feedforward", "lead": 0.03}, or a JSON file of one. Fields of a
+            field have a dot between them, as in "compensation:wearer.mass=65".
+        beside: Other names that may be given here, for the message about an unknown one.
+        trust: Whether a JSON file may name "package.module:Class", whose code then runs. A file
+            names policies of this package and training runs only if it is not trusted.
+    """
+    spec = parsed(given, POLICIES, trust=trust)
+    kind = PolicyKind.of(spec.name, beside)
+    known = {**(_BELIEF if spec.options.get(GUARD) else {}), **kind.options, GUARD: bool}
+    options = {}
+    for name, value in spec.options.items():
+        if kind.maker is None:
+            raise InputError(f"the run in {spec.name!r} has no options: leave {name} out")
+        if name not in known:
+            raise unknown_name(f"option of policy {spec.name!r}", name, known)
+        options[name] = typed(f"option {name} of policy {spec.name!r}", value, known[name])
+    return PolicySpec(spec.name, options)
 
 
 def believes(name: str) -> bool:
@@ -255,10 +178,6 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
         given: A policy; see `policy_spec`.
         env: Environment in which the policy will act, single or vector, wrapped or not; or its
             plant, which is all of it that the policy gets.
-
-    Raises:
-        InputError: See `policy_spec`; or the environment has no motors or not the sensors that the
-            policy needs, or an option is out of its range.
     """
     spec, plant = policy_spec(given), _plant_of(env)
     name, kind = spec.name, PolicyKind.of(spec.name)
@@ -288,24 +207,17 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
     resisting_joints(plant.config)  # a mistake in it is reported here
     if kind.believes:
         options["belief"] = belief
-    make = kind.maker if name in POLICIES else partial(own_policy, name, kind.maker, plant.motors)
+    make = kind.maker if name in POLICIES else partial(OwnPolicy, name, plant.motors, kind.maker)
     policy = make(plant, **options)
     return Guard(plant, policy, belief) if guarded else policy
 
 
 def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Policy:
-    """Returns the policy of a trained network, by NumPy alone.
-
-    Args:
-        card: Card of the policy.
-        network: Its network.
-        plant: What the policy may know of the arms.
-        name: Name or folder of the policy, for messages.
-    """
-    trained = TrainedPolicy(card, network, plant, name)
+    """Returns the policy of a network and its card, by NumPy alone; messages have the name."""
+    policy = trained.TrainedPolicy(card, network, plant, name)
     if card.residual is None:
-        return trained
-    return ResidualPolicy(make_policy(base_of(card.residual), plant), trained, card.residual.scale)
+        return policy
+    return ResidualPolicy(make_policy(base_of(card.residual), plant), policy, card.residual.scale)
 
 
 def residual_of(given: AnyPolicy, scale: float) -> Residual:
@@ -316,7 +228,7 @@ def residual_of(given: AnyPolicy, scale: float) -> Residual:
     within("residual scale", scale, LEAST_SCALE, MOST_SCALE)
     options = dict(spec.options)
     if isinstance(options.get("suit"), str):
-        options["suit"] = portable(options["suit"])
+        options["suit"] = trained.portable(options["suit"])
     return Residual(policy={"name": spec.name, **options}, scale=scale)
 
 
@@ -325,7 +237,7 @@ def base_of(residual: Residual) -> PolicySpec:
     name = residual.policy.get("name")
     if name not in POLICIES:
         raise unknown_name("policy that a network corrects", str(name), POLICIES)
-    check_portable(residual.policy.get("suit"))
+    trained.check_portable(residual.policy.get("suit"))
     return policy_spec(residual.policy)
 
 
@@ -336,79 +248,3 @@ def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
         raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
     return Plant.of(arm.episodes)
-
-
-def is_saved(text: str) -> bool:
-    """Returns whether a text names a JSON file of a policy, and not a policy with options."""
-    return text.endswith(SAVED) and "=" not in text
-
-
-def _parsed(text: str, trust: bool) -> PolicySpec:
-    """Returns a policy from "name:option=value,...", where the name may be "module:Class"."""
-    if os.path.isdir(text):
-        return PolicySpec(text)
-    if is_saved(text):
-        found = read_json(text, "policy")
-        if not isinstance(found, dict) or not isinstance(found.get("name"), str):
-            raise InputError(f"{text!r} is no policy: it must be an object with a name")
-        name = found.pop("name")
-        if ":" in name and not os.path.isdir(name) and not trust:
-            raise InputError(
-                f"{text!r} names {shown(name)}, and importing that would run its code: use a file "
-                "with a policy of this package or the folder of a training run, or, if you trust "
-                "the file, add --trust (in Python policy_spec(file, trust=True))"
-            )
-        return PolicySpec(name, found)
-    head, *rest = text.split(":")
-    if rest and "=" not in rest[0] and head not in POLICIES:
-        head, rest = f"{head}:{rest[0]}", rest[1:]
-    options: dict[str, Any] = {}
-    for given in filter(None, ":".join(rest).split(",")):
-        name, equal, value = given.partition("=")
-        if not equal:
-            raise InputError(
-                f"policy {text!r} has {shown(given)}: give options as option=value, with commas "
-                "between them"
-            )
-        *outer, last = name.strip().split(".")
-        place: Any = options
-        for part in outer:
-            place = place.setdefault(part, {}) if isinstance(place, dict) else None
-        if not isinstance(place, dict):
-            raise InputError(
-                f"policy {text!r} has {'.'.join(outer)!r} as a value and with fields: give one"
-            )
-        if last in place:
-            raise InputError(f"policy {text!r} has the option {name!r} twice: give it once")
-        place[last] = _number(value.strip()) if outer else value.strip()
-    return PolicySpec(head, options)
-
-
-def _number(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def _flat(options: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
-    found = []
-    for name, value in options.items():
-        if isinstance(value, Mapping):
-            found += _flat(value, f"{before}{name}.")
-        else:
-            found.append((before + name, value))
-    return found
-
-
-def _typed(what: str, value: Any, kind: Any) -> Any:
-    """Returns a value as the type of its option, also where it is the text of one."""
-    if isinstance(value, bool) and kind in (int, float):
-        raise InputError(f"{what} is {value}: give a number")
-    try:
-        adapter = TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
-        return adapter.validate_python(value)
-    except ValidationError as error:
-        problem = error.errors()[0]["msg"].removeprefix("Value error, ")
-        fix = _FIXES.get(kind, problem)
-        raise InputError(f"{what} is {shown(value)}: {fix}") from None

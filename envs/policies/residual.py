@@ -16,24 +16,15 @@ SCALE, LEAST_SCALE, MOST_SCALE = 0.3, 0.01, 2.0  # shares of the peak torque tha
 
 
 def corrected(given: Array, correction: NDArray[np.floating[Any]], scale: float) -> Array:
-    """Returns the corrected actions, shape (..., motors).
-
-    Args:
-        given: Actions of the policy that is corrected, from -1 to 1.
-        correction: Output of the network, the same shape.
-        scale: Scale of the correction.
-    """
+    """Returns the corrected actions, shape (..., motors), from those of policy and network."""
     return np.clip(given + scale * np.clip(correction, -1.0, 1.0), -1.0, 1.0)
 
 
 class ResidualPolicy:
-    """A policy that another one corrects, which observes the action that it corrects.
+    """A policy that another one corrects.
 
-    Args:
-        policy: Policy that is corrected.
-        correction: Policy whose action is the correction; the actions of `policy` follow the other
-            parts of what it observes.
-        scale: Scale of the correction.
+    The actions of `policy` follow the other parts of the observation of `correction`, whose action
+    times `scale` is the correction.
     """
 
     def __init__(self, policy: Policy, correction: Policy, scale: float) -> None:
@@ -57,11 +48,6 @@ class Cohorts:
     The memory of a policy is of rows that begin together. So rows that begin together are a cohort
     with a policy of its own. A row that leaves its cohort, because it begins anew, is simulated on
     there without effect, until all rows have left.
-
-    Args:
-        make: Function that makes the policy.
-        rows: Number of rows.
-        motors: Number of motors.
     """
 
     def __init__(self, make: Callable[[], Policy], rows: int, motors: int) -> None:
@@ -71,11 +57,9 @@ class Cohorts:
         self._cohort = np.full(rows, -1)  # number of the cohort of each row
 
     def begin(self, rows: NDArray[np.int64], observation: NDArray[np.float32]) -> Array:
-        """Begins new episodes; returns the first actions of these rows, shape (k, motors).
+        """Begins new episodes in rows, shape (k,); returns their first actions, (k, motors).
 
-        Args:
-            rows: Rows that begin, shape (k,).
-            observation: First observations of all rows, shape (n, size).
+        The observations are those of all rows, shape (n, size).
         """
         new = max(self._running, default=-1) + 1
         self._cohort[rows] = new

@@ -7,7 +7,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +18,7 @@ from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..tasks import TASKS
 from ..vector_env import ArmVectorEnv
-from .network import LAYER, LSTM, Card, Network, Residual, contract_of, files_of, observed
+from .network import LAYER, LSTM_ARRAYS, Card, Network, Residual, contract_of, files_of, observed
 from .trained import ARM, portable
 
 PACKAGES = ("activesuit", "gymnasium", "mujoco", "numpy", "stable-baselines3", "torch")
@@ -36,10 +35,6 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
             Tanh, or a `Network` of arrays.
         folder: Folder of the policy, which is made; one that is there gets new files.
         env: Environment that the model was trained in, single or vector, wrapped or not.
-
-    Raises:
-        InputError: The network or the environment is none that a policy can have, or the folder
-            cannot be written.
     """
     folder, arms = Path(folder), _arms_of(env)
     network, plant = network_of(model), Plant.of(arms.episodes)
@@ -65,11 +60,11 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
     seen = {"sensors": list(observer.sensors), "normalize": observer.normalized}
     seen |= {"history": observer.history}
     if belief is not None:
-        believed = belief.to_dict()
-        if not isinstance(believed["suit"], str):
+        suit = belief.to_dict()["suit"]
+        if not isinstance(suit, str):
             raise InputError("the believed suit is no file: save it, and name its file")
-        suit = believed["suit"]
-        seen["belief"] = {**believed, "suit": suit if suit == NO_SUIT else portable(suit)}
+        suit = suit if suit == NO_SUIT else portable(suit)
+        seen["belief"] = {**belief.to_dict(), "suit": suit}
     environment = {"env": name, **{field: config[field] for field in ARM}, **seen}
     if plant.config.payload.inertia is None:  # as `activesuit train` has it
         environment["payload"] = {"mass": plant.config.payload.mass}
@@ -97,24 +92,18 @@ def card_of(
     residual: Residual | None = None,
 ) -> Card:
     """Returns the card of a policy of some arms."""
-    observation = observed(plant)
+    observation, versions = observed(plant), {}
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            versions[name] = version(name)
     return Card(
         observation=observation,
         contract=contract_of(observation),
         environment=environment,
         residual=residual,
         training=training,
-        versions=_versions(),
+        versions=versions,
     )
-
-
-def _versions() -> dict[str, str]:
-    """Returns the versions of those packages that are installed."""
-    found = {}
-    for name in PACKAGES:
-        with suppress(PackageNotFoundError):
-            found[name] = version(name)
-    return found
 
 
 def network_of(model: Any) -> Network:
@@ -149,25 +138,17 @@ def network_of(model: Any) -> Network:
         if policy.lstm_actor.num_layers != 1:
             raise _foreign(model, f"it has {policy.lstm_actor.num_layers} layers of LSTM: use one")
         part = {name: _numbers(one) for name, one in policy.lstm_actor.named_parameters()}
-        weights[f"{LSTM}.input"], weights[f"{LSTM}.hidden"] = (
-            part["weight_ih_l0"],
-            part["weight_hh_l0"],
+        bias = part["bias_ih_l0"] + part["bias_hh_l0"]
+        weights = dict(
+            zip(LSTM_ARRAYS, (part["weight_ih_l0"], part["weight_hh_l0"], bias), strict=True)
         )
-        weights[f"{LSTM}.bias"] = part["bias_ih_l0"] + part["bias_hh_l0"]
     return _layered(model, [*between, last], weights, squashed)
 
 
 def _layered(
     model: Any, parts: Sequence[Any], weights: dict[str, NDArray[np.float32]], squashed: bool
 ) -> Network:
-    """Returns the network of layers with one function between them, in order.
-
-    Args:
-        model: The model, for the message.
-        parts: Modules of torch.
-        weights: What stands before the layers.
-        squashed: Whether the last layer's values pass tanh.
-    """
+    """Returns the network of modules of torch, behind the weights of an LSTM if there is one."""
     from torch import nn
 
     layers, between = parts[::2], {type(one).__name__ for one in parts[1::2]}
@@ -189,8 +170,8 @@ def layers_of(layers: Iterable[Any]) -> dict[str, NDArray[np.float32]]:
     """Returns the weights of the linear layers of torch among some, by their names in a network."""
     from torch import nn
 
-    linear, found = [one for one in layers if isinstance(one, nn.Linear)], {}
-    for i, layer in enumerate(linear):
+    found = {}
+    for i, layer in enumerate(one for one in layers if isinstance(one, nn.Linear)):
         found[f"{LAYER}.{i}.weight"] = _numbers(layer.weight)
         found[f"{LAYER}.{i}.bias"] = _numbers(layer.bias)
     return found
@@ -212,8 +193,7 @@ def _arms_of(env: Any) -> ArmEnv | ArmVectorEnv:
     found = getattr(found, "arms", found)
     if hasattr(found, "envs"):  # DummyVecEnv
         found = found.envs[0]
-    if isinstance(found, gymnasium.Env | gymnasium.vector.VectorEnv):
-        found = found.unwrapped
+    found = getattr(found, "unwrapped", found)
     if not isinstance(found, ArmEnv | ArmVectorEnv):
         raise InputError(f"env is {shown(env)}: give the ActiveSuit environment of the training")
     return found

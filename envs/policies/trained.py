@@ -39,14 +39,10 @@ def folder_of(name: str) -> str | None:
 
 
 def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Returns the scene that a policy was trained in: env, level, suit, gravity, sensors, ...
+    """Returns the scene in which the policy of a folder was trained.
 
-    Args:
-        folder: Folder of the policy.
-
-    Returns:
-        The id of the environment as "env", and its options as plain data, so that
-        `gymnasium.make(scene.pop("env"), **scene)` makes it.
+    These are the id of the environment as "env", and its options as plain data, so that
+    `gymnasium.make(scene.pop("env"), **scene)` makes it.
     """
     folder = Path(folder)
     path, found = folder / CARD, dict(read_card(folder).environment)
@@ -70,19 +66,15 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
 def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Returns how a policy was trained: algo, seed, steps, and what else its card says."""
     path, found = Path(folder) / CARD, dict(read_card(folder).training)
-    if not isinstance(found.get("algo"), str):
-        raise InputError(
-            f"{str(path)!r} has the algo {shown(found.get('algo'))}: it must be a name"
-        )
+    algo = found.get("algo")
+    if not isinstance(algo, str):
+        raise InputError(f"{str(path)!r} has the algo {shown(algo)}: it must be a name")
     if not isinstance(found.get("hyperparameters", {}), dict):
         raise InputError(f"{str(path)!r} has hyperparameters that are no object: restore it")
     for name, least in (("seed", 0), ("steps", 1), ("rows", 1), ("motions", 0), ("patience", 1)):
-        value = found.get(name, least)
+        value, need = found.get(name, least), f"a whole number of at least {least}"
         if type(value) is not int or value < least:
-            raise InputError(
-                f"{str(path)!r} has {name} {shown(value)}: it must be a whole number of at least "
-                f"{least}"
-            )
+            raise InputError(f"{str(path)!r} has {name} {shown(value)}: it must be {need}")
     return found
 
 
@@ -103,17 +95,17 @@ def check_portable(suit: Any) -> None:
 
 
 class TrainedPolicy:
-    """Takes the mean action of a trained network, by NumPy alone.
-
-    Args:
-        card: Card of the policy.
-        network: Its network.
-        plant: What the policy may know of the arms.
-        name: Name or folder of the policy, for messages.
-    """
+    """Takes the mean action of a trained network, by NumPy alone; messages have the name."""
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
-        _check_observed(name, card.observation, observed(plant))
+        trained, here = card.observation, observed(plant)
+        if contract_of(trained) != contract_of(here):
+            part = next((part for part in here if trained.get(part) != here[part]), "observation")
+            raise InputError(
+                f"the policy in {name!r} was trained with the {part} {shown(trained.get(part))}, "
+                f"and the environment has {shown(here[part])}: make it with the sensors that the "
+                "policy was trained with, or train again"
+            )
         self._network = network
         self._memory: Array | None = None
 
@@ -128,14 +120,3 @@ class TrainedPolicy:
             self._memory = self._network.memory(len(rows))
         action = self._network.act(rows, self._memory)
         return action.reshape(*observation.shape[:-1], -1)
-
-
-def _check_observed(folder: str, trained: dict[str, Any], here: dict[str, Any]) -> None:
-    if contract_of(trained) == contract_of(here):
-        return
-    name = next((name for name in here if trained.get(name) != here[name]), "observation")
-    raise InputError(
-        f"the policy in {folder!r} was trained with the {name} {shown(trained.get(name))}, "
-        f"and the environment has {shown(here[name])}: make it with the sensors that the policy "
-        "was trained with, or train again"
-    )

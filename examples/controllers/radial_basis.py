@@ -7,7 +7,7 @@ from activesuit.arrays import Array
 from activesuit.checks import within
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import Belief, Seen, TorquePolicy
-from activesuit.envs.policies.impedance import intended
+from activesuit.envs.policies.model_based import intended
 
 BANDWIDTH = 1.0  # Hz, a fifth of what the lag of motors and rates, 0.03 s, would let oscillate
 CENTERS = (0.0, 0.6, 1.2, 1.8)  # [rad], each angle's, over the reach of shoulder and elbow

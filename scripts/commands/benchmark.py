@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from ...envs.benchmark import BASELINE, SUITES, Benchmark, Result, Suite, Trial, run_trial
+from ...envs.benchmark import BASELINE, SUITES, Leaderboard, Result, Suite, Trial, run_trial
 from ...envs.benchmark import suite as make_suite
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
 from ...errors import InputError, shown
@@ -82,7 +82,7 @@ def benchmark(
             found = _run(folder, chosen, backend, workers)
         _report(found, folder, json, {**_plain(chosen), "backend": backend})
         return
-    found = Benchmark(read_results(results))
+    found = Leaderboard(read_results(results))
     folder = RunFolder(out, force=force) if out else None
     if what == "table":
         _report(found, folder, json, {"results": results})
@@ -100,12 +100,14 @@ def benchmark(
         table(f"relief of {name} less that of {given[0]}", *rows)
 
 
-def _report(found: Benchmark, folder: RunFolder | None, json: bool, given: dict[str, Any]) -> None:
+def _report(
+    found: Leaderboard, folder: RunFolder | None, json: bool, given: dict[str, Any]
+) -> None:
     if folder:
         folder.text(RESULTS, lines(found.results))
         folder.text("tables.md", found.page())
     settings = given | found.protocol
-    about = f"{found.count} trials"
+    about = f"{len(found.results)} trials"
     conclude(Report.of(found, "Benchmark of controllers", about, settings=settings), folder, json)
 
 
@@ -131,7 +133,7 @@ def _plain(chosen: Suite) -> dict[str, Any]:
     return loads(to_json(chosen.to_dict()))
 
 
-def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> Benchmark:
+def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> Leaderboard:
     """Returns all results: reads those on disk, and runs and writes the others one by one."""
     trials = chosen.trials
     found = {trial.file_name: _load(folder, chosen, trial) for trial in trials}
@@ -142,7 +144,7 @@ def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> Be
             write_text(folder / TRIALS / name, result.to_json() + "\n")
             found[name] = result
             bar.advance()
-    return Benchmark([one for one in found.values() if one is not None])
+    return Leaderboard([one for one in found.values() if one is not None])
 
 
 def _named(chosen: Suite, trial: Trial) -> tuple[str, Result]:

@@ -14,7 +14,7 @@ from ...envs.model.compose import suit_of_config
 from ...envs.policies import POLICIES, make_policy, needed_options, policy_spec
 from ...envs.policies.c_export import exportable, policy_header
 from ...envs.policies.network import read_card, read_network
-from ...envs.policies.registry import is_saved
+from ...envs.policies.spec import is_saved
 from ...envs.policies.trained import folder_of
 from ...errors import InputError, install_line, shown, unknown_name
 from ...files import check_target, replacing

@@ -10,7 +10,7 @@ from ...checks import once
 from ...envs.evaluation import FIRST_SEED
 from ...envs.evaluation.suit_validation import WEIGHTLESS
 from ...envs.evaluation.suit_validation import validate as validate_suits
-from ...envs.evaluation.validation import CurveError, CurvePrediction, curve_errors
+from ...envs.evaluation.verdict import CurveError, CurvePrediction, curve_errors
 from ...errors import InputError
 from ...identification import load_curves
 from ..folders import RunFolder

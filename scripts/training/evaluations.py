@@ -10,10 +10,10 @@ from pydantic import BaseModel
 from ...arrays import Array
 from ...assets import JOINTS
 from ...envs.evaluation import REFERENCES
-from ...envs.evaluation.core import Runnable
-from ...envs.evaluation.core import run as run_motions
+from ...envs.evaluation.relief import relief, relief_interval
 from ...envs.evaluation.rollout import FULL, Trace
-from ...envs.evaluation.statistics import relief, relief_interval
+from ...envs.evaluation.run import Runnable
+from ...envs.evaluation.run import run as run_motions
 from ...envs.evaluation.wearers import ArmLost
 from ...envs.model import ASSISTED
 from ...envs.plant import Plant

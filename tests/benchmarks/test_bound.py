@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from activesuit.benchmarks import bound
 from activesuit.benchmarks.bound import attack, attack_table, changed
-from activesuit.envs.benchmark.suite import Setting
+from activesuit.envs.benchmark.suites import Setting
 from helpers import short_benchmark
 
 pytestmark = pytest.mark.slow

@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 from activesuit.assets import load_suit
 from activesuit.envs.benchmark import BASELINE, run_trial, suite
-from activesuit.envs.evaluation import rollout
-from activesuit.envs.evaluation.validation import compare_beliefs
+from activesuit.envs.evaluation import rollout, validate
 from activesuit.envs.levels import LEVELS
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options
@@ -129,10 +128,9 @@ def row() -> Numbers:
 def validated() -> Numbers:
     believed = {"mock-suit": load_suit("mock-suit")}
     task = replace(TASKS["ElbowFlexion"], duration=DURATION)
-    _, found = compare_beliefs(
-        "ActiveSuit/ElbowFlexion-v0", believed, motions=8, suit="emu-like", task=task
-    )
-    one = found["mock-suit"]
+    options = {"motions": 8, "gravity": "earth", "task": task}
+    found = validate("ActiveSuit/ElbowFlexion-v0", believed, ["emu-like"], **options)
+    one = found.cells["mock-suit", "emu-like"]
     numbers = {"nrmse": one.torque.together.nrmse, "relief": one.relief, "share": one.share_of_true}
     return {name: [value.value, value.low, value.high] for name, value in numbers.items()}
 

@@ -10,7 +10,7 @@ from activesuit.assets import load_suit, save_suit
 from activesuit.envs.benchmark import SUITES, Setting, run_trial, suite
 from activesuit.envs.benchmark.results import Result, lines, read_results
 from activesuit.envs.benchmark.standings import Standings
-from activesuit.envs.benchmark.suite import task_of_suite
+from activesuit.envs.benchmark.suites import SUITE_TASKS
 from activesuit.envs.evaluation import FIRST_SEED, evaluate
 from activesuit.envs.policies import POLICIES, PolicySpec
 from activesuit.envs.policies.trained import shipped_policies
@@ -51,7 +51,7 @@ def test_the_full_suite_has_everything():
     assert {*POLICIES, *shipped_policies()} > set(full.policies) > least
     assert not {"oracle", "corrected"} & set(full.policies)
     assert set(SUITES["cuffs"].policies) > {"compensation", "corrected"}
-    assert all(task_of_suite(name).duration <= task.duration for name, task in TASKS.items())
+    assert all(SUITE_TASKS[name].duration <= task.duration for name, task in TASKS.items())
     names = [trial.file_name for trial in full.trials]
     assert len(set(names)) == len(names)
     # At "shift" what believes nothing runs once, the others once for each belief.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.envs.benchmark import Benchmark, Setting
+from activesuit.envs.benchmark import Leaderboard, Setting
 from activesuit.envs.benchmark.results import Result, lines, read_results
 from activesuit.envs.benchmark.standings import Standings, cost_over, measures_of
 from helpers import assert_refused
@@ -98,5 +98,5 @@ def test_a_policy_that_failed_somewhere_has_no_mean_and_no_finite_interval():
 
 
 def test_a_score_that_nobody_registered_is_kept_and_said():
-    (said,) = Benchmark(SCORED).scores.values()
+    (said,) = Leaderboard(SCORED).scores.values()
     assert said.tables == {} and "no extra with the score 'toy' is here" in said.remarks[0]

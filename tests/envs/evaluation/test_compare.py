@@ -9,7 +9,7 @@ from activesuit.assets import CURVES, Suit, curves_path, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.best_known_plan import rationed
-from activesuit.envs.evaluation.core import reference_options
+from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.model import Exo
 from activesuit.envs.policies import NoAssist, make_policy

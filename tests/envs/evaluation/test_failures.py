@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from activesuit.envs.benchmark import Result
-from activesuit.envs.benchmark.report import benchmark_remarks
+from activesuit.envs.benchmark.leaderboard import benchmark_remarks
 from activesuit.envs.benchmark.results import lines, read_results
 from activesuit.envs.evaluation.reasons import Oscillation, Reason, most_frequent
 from activesuit.envs.evaluation.sentences import why_remarks

@@ -1,7 +1,6 @@
 """The trace of a motion as CSV: effort, strength, fatigue and heat where they exist."""
 
 import csv
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,6 @@ from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import TASKS
 from activesuit.scripts.folders import RunFolder
-from activesuit.scripts.main import main
 
 MUSCLES = [f"{joint}_{way}" for way in ("extensor", "flexor") for joint in JOINTS]
 
@@ -57,14 +55,3 @@ def test_what_is_not_there_is_left_out(tmp_path, options, rows):
     assert any("fatigue" in name for name in names) == (rows == 4)
     for trace, count in ((bare, rows - 1), (played(**options), rows)):
         assert len(strain_plot({"none": trace}).panels) == 2 * count
-
-
-def test_simulate_keeps_them(tmp_path, undrawn):
-    short = ["--max-episode-steps", "50"]
-    main(["simulate", "--task", "OverheadHold", *short, "--out", str(tmp_path / "tired")])
-    result = json.loads((tmp_path / "tired" / "result.json").read_text())
-    assert result["fatigued"].keys() == result["strength_left"].keys() == {*JOINTS}
-    assert result["hot_from"].keys() == result["saturated"].keys() == {*ASSISTED}
-    assert result["units"]["strength_left"] == "N·m"
-    main(["simulate", "--task", "ElbowFlexion", *short, "--out", str(tmp_path / "fresh")])
-    assert json.loads((tmp_path / "fresh" / "result.json").read_text())["fatigued"] == {}

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit
-from activesuit.envs.evaluation import FIRST_SEED, rollout
-from activesuit.envs.evaluation.validation import (
+from activesuit.envs.evaluation import FIRST_SEED, rollout, suit_validation, validate
+from activesuit.envs.evaluation.verdict import (
     LIMITS,
-    compare_beliefs,
     curve_errors,
     lag_of,
     noise_of,
@@ -17,6 +16,7 @@ from activesuit.envs.evaluation.validation import (
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import make_policy
+from activesuit.errors import InputError
 from activesuit.hysteresis import TABLE_2, PrandtlIshlinskii
 from activesuit.identification import load_curves
 from helpers import assert_refused, shorten_tasks
@@ -113,15 +113,31 @@ def test_the_torque_error_separates_six_beliefs(six):
 def test_relief_is_compared_motion_by_motion(monkeypatch):
     shorten_tasks(monkeypatch, 1.0)
     believed = {"exact": "emu-like", "other": "mock-suit"}
-    found, validations = compare_beliefs(ENV, believed, motions=8, suit="emu-like", **WEIGHTLESS)
-    exact, other = (validations[name] for name in believed)
+    validation = validate(ENV, believed, ["emu-like"], motions=8, threads=1)
+    exact, other = (validation.cells[name, "emu-like"] for name in believed)
     for one in (other.relief, other.difference, other.share_of_true, other.share_of_bound):
         assert one.low <= one.value <= one.high
     assert exact.difference.low == exact.difference.high == 0
     assert exact.share_of_true.value == 1 and other.difference.high < 0
+    found = validation.evaluations["emu-like"]
     apart = found.relief("by other").value - found.relief("true model").value
     assert other.difference.value == pytest.approx(apart)
     assert other.to_dict()["verdict"] == other.torque.verdict == "not valid"
+
+
+def test_the_motions_that_are_finished_are_counted_in_batches_of_any_size(monkeypatch):
+    counted = []
+
+    def evaluated(env_id, policies, on_policy, **options):
+        for size in (2, 8, 1):
+            on_policy("none", [None] * size)
+        raise InputError("enough")
+
+    monkeypatch.setattr(suit_validation, "evaluate", evaluated)
+    options = {"motions": 8, "on_step": lambda done, total: counted.append((done, total))}
+    rows = [(["emu-like"], ["mock-suit"], "enough")]
+    assert_refused(lambda *suits: validate(ENV, *suits, **options), rows)
+    assert counted == [(2, 40), (10, 40), (11, 40)]
 
 
 def test_the_noise_is_reported_where_a_fit_left_some(six):
@@ -175,5 +191,5 @@ def test_beliefs_that_cannot_be_validated():
         (load_suit("mock-suit"), {"motions": 7}, "motions is 7: use at least 8"),
     ]
     assert_refused(
-        lambda mine, given: compare_beliefs(ENV, {"mine": mine}, **WEIGHTLESS, **given), rows
+        lambda mine, given: validate(ENV, {"mine": mine}, ["mock-suit"], threads=1, **given), rows
     )

@@ -11,7 +11,8 @@ from activesuit.envs.evaluation import rollout
 from activesuit.envs.making import make_arms, make_env
 from activesuit.envs.muscles import MyoArm, muscle_activation
 from activesuit.envs.muscles.drawing import BESIDE, LiveMuscles, color_of, width_of
-from activesuit.envs.policies import make_policy
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import NoAssist
 from helpers import assert_refused
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
@@ -69,11 +70,16 @@ def test_each_muscle_has_its_color_width_and_length(monkeypatch):
 def test_the_activation_is_that_of_the_whole_motion():
     arms = make_arms(TASK, 1, gravity="earth", max_episode_steps=60)
     live, found = LiveMuscles(arms.episodes.simulation), []
-    policy = make_policy("none", arms)
-    (trace,) = rollout(arms, policy, [0], on_step=lambda _: found.append(live.activation()))
+
+    class Watching(NoAssist):
+        def torque(self, seen):
+            found.append(live.activation())
+            return super().torque(seen)
+
+    (trace,) = rollout(arms, Watching(Plant.of(arms.episodes)), [0])
     expected = muscle_activation(trace)
     assert found[0] is None and found[2] is None  # before the first period, and after two
-    lately = np.array(found[3:])  # `on_step` comes before a period
+    lately = np.array(found[3:])  # a policy acts before a period
     assert len(lately) == 57
     difference = np.abs(lately - expected[2:-1])
     assert expected.max() > 0.2 and difference[10:].max() < 0.03

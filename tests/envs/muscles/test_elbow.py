@@ -80,7 +80,7 @@ def test_bad_input():
     rows = [
         ({"suit": "emu"}, "emu"),
         ({"gravity": "venus"}, "venus"),
-        ({"contraction": -1}, "contraction is -1 N·m: use 0 to 15"),
+        ({"contraction": -1}, "contraction is -1: use a number from 0 to 15 N·m"),
         ({"contraction": "much"}, "contraction is 'much'"),
         ({"push": np.nan}, "push is nan"),
         ({"knows_suit": 3}, "knows_suit is 3"),

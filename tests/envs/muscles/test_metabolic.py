@@ -1,7 +1,5 @@
 """MyoArm's geometry against its lengths and functions, and metabolic power worked out by hand."""
 
-import sys
-
 import mujoco
 import myo_sim
 import numpy as np
@@ -111,11 +109,6 @@ def test_models_that_lack_a_part_are_refused(monkeypatch, kind, name, joints):
         body = body.add_body(mass=1, inertia=[1, 1, 1])
     monkeypatch.setattr(myo_sim, "load_spec", lambda _: spec)
     assert_refused(myoarm_spec, [(f"without the {kind} '{name}': install version",)])
-
-
-def test_the_extra_is_named_where_it_is_missing(monkeypatch):
-    monkeypatch.setitem(sys.modules, "myo_sim", None)
-    assert_refused(myoarm_spec, [(r"activesuit\[muscles\]",)])
 
 
 def geometry(arm, *, length=1.0, speed=0.0, full=1.0, isometric=1.0):

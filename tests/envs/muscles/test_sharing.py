@@ -24,12 +24,9 @@ COSTS = {
 def shared(
     cost, *, levers=LEVERS, wanted=TARGETS, least=0.0, dt=math.inf, equal=EQUAL, before=np.nan
 ):
-    samples, rows, muscles = levers.shape
-    activation, reserve = np.empty((samples, muscles)), np.empty((samples, rows))
-    missed, force = np.empty(samples), np.ones((samples, muscles))
-    bounds, before = np.full((samples, muscles), least), np.broadcast_to(before, muscles).copy()
-    share(levers, force, wanted, equal, bounds, before, dt, cost, activation, reserve, missed)
-    return activation, reserve, missed
+    samples, _, muscles = levers.shape
+    force, before = np.ones((samples, muscles)), np.broadcast_to(before, muscles).copy()
+    return share(levers, force, wanted, equal, least, before, dt, cost)
 
 
 def value(cost, a, reserve):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation.core import reference_options
+from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.model import ArmConfig, Payload, compose
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task

@@ -6,8 +6,7 @@ import sys
 from types import ModuleType
 
 import pytest
-from activesuit.envs.benchmark import report as leaderboard
-from activesuit.envs.benchmark import run_trial
+from activesuit.envs.benchmark import leaderboard, run_trial
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
 from helpers import fails, panels_of, run, short_benchmark

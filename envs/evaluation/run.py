@@ -13,7 +13,7 @@ from ...errors import InputError, unknown_name
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
-from ..policies.own import own_policy
+from ..policies.own import OwnPolicy
 from ..randomization import Randomization
 from .best_known_plan import BOUNDS, clairvoyant
 from .rollout import Trace
@@ -27,17 +27,10 @@ Runnable = PolicySpec | str | Make
 FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
 FIRST_PRACTICE = 10**9  # first seed of the practice of policies that learn over episodes
 _EXO = ("exo", "misalignment", "belief", "sensors", "sensing", "faults")
-_SUIT = ("pressure", "preconditioned", "allow_uncertified")
 
 
 class Run(NamedTuple):
-    """A policy on some motions.
-
-    Attributes:
-        score: Its score.
-        traces: The motions, in the order of the seeds.
-        effort_scale: Effort of the suited arm, by which rewards are scaled.
-    """
+    """Score and motions of a policy, and the effort of the suited arm that scales rewards."""
 
     score: Score
     traces: list[Trace]
@@ -64,10 +57,6 @@ def run(
         adapted: Whether wearers have learned the motions under the policy.
         unadapted: Whether wearers who have not are scored beside.
         **options: Options of the environment with an exoskeleton, and of `ArmVectorEnv`.
-
-    Raises:
-        InputError: The policy or the environment cannot be made, or the policy ends episodes, so
-            that no wearer can adapt.
     """
     if options.get("reward") is not None:
         raise InputError("scores are those of the shipped reward: leave the option reward out")
@@ -91,19 +80,15 @@ def _options_of(given: Runnable, options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the options of an environment of the same wearers without an exoskeleton.
-
-    Args:
-        reference: "unsuited" or "suited".
-        options: Options of the environment with an exoskeleton.
-    """
-    kept = {name: value for name, value in options.items() if name not in _EXO}
-    given = kept.get("randomize") or {}
+    """Returns the options of an environment of the same wearers, "unsuited" or "suited"."""
+    given = options.get("randomize") or {}
     terms = asdict(given) if isinstance(given, Randomization) else dict(given)
-    dropped = {"misalignment", "sensor_noise", "encoder_offset"}
+    without, dropped = _EXO, {"misalignment", "sensor_noise", "encoder_offset"}
     if reference == "unsuited":
-        kept = {name: value for name, value in kept.items() if name not in _SUIT}
+        without += ("suit", "pressure", "preconditioned", "allow_uncertified")
         dropped |= {"suit", "suits", "pressure"}
+    kept = {name: value for name, value in options.items() if name not in without}
+    if reference == "unsuited":
         kept["suit"] = NO_SUIT
     if terms:
         kept["randomize"] = {name: term for name, term in terms.items() if name not in dropped}
@@ -118,7 +103,7 @@ def _maker(
     if isinstance(given, PolicySpec):
         return partial(make_policy, given, plant)
     if callable(given):
-        return partial(own_policy, name, given, plant.motors, plant)
+        return partial(OwnPolicy, name, plant.motors, given, plant)
     if given in REFERENCES:
         return partial(make_policy, "none", plant)
     if not plant.motors:
@@ -132,11 +117,8 @@ def _practiced(make: Callable[[], Policy], wearers: Wearers) -> Callable[[], Pol
 
     The motions of practice are others than those that are scored.
     """
-    policy = make()
-    rollouts, rows = getattr(policy, "practice", 0), wearers.arms.num_envs
-    if not rollouts:
-        return make
-    for i in range(rollouts):
-        first = FIRST_PRACTICE + i * rows
+    policy, rows = make(), wearers.arms.num_envs
+    rollouts = getattr(policy, "practice", 0)
+    for first in range(FIRST_PRACTICE, FIRST_PRACTICE + rollouts * rows, rows):
         wearers.unadapted(policy, range(first, first + rows))
-    return partial(deepcopy, policy)
+    return partial(deepcopy, policy) if rollouts else make

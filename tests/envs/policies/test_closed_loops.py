@@ -90,20 +90,6 @@ def test_rows_are_acted_on_as_single_arms_are_and_again_after_a_reset(name):
         np.testing.assert_array_equal(info["human_torque"], together[0].human_torque[period])
 
 
-def test_a_policy_sees_nothing_but_the_observation():
-    for name in POLICIES:
-        arm = ArmEnv(**surroundings(name))
-        policy = make_policy(name, arm)
-        policy.reset()
-        observation = np.random.default_rng(0).uniform(0, 0.5, arm.observation_space.shape)
-        first = policy.act(observation.astype(np.float32))
-        arm.reset(seed=1)  # whatever happens in the environment
-        arm.step(np.ones(2))
-        policy.reset()
-        again = policy.act(observation.astype(np.float32))
-        np.testing.assert_array_equal(again, first, name)
-
-
 def test_policies_that_do_not_fit_the_arms():
     needs = "'oracle' needs the sensors encoders, privileged, and"
     assert_refused(make_policy, [("oracle", ArmEnv(), needs)])

@@ -24,10 +24,11 @@ from ..levels import COMPARED, LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
-from ..policies.registry import believes, is_saved
+from ..policies.registry import believes
+from ..policies.spec import is_saved
 from ..policies.trained import shipped_policies
 from ..simulation.measurements import Sensing
-from ..tasks import TASKS, Task
+from ..tasks import TASKS
 
 VERSION = 3  # wearers of 2 could not aim, and did not pay for usual co-contraction
 BELIEVED = ("mock-suit", "emu-like")
@@ -36,12 +37,16 @@ DURATIONS = {  # [s], of a few repetitions, or of one joint: 20 motions of each 
     **{"ReachPanel": 12.0, "ObjectRelocation": 13.5, "OverheadHold": 20.0},
     **{"TransitionCurves": 21.0, "RangeOfMotion": 26.0},
 }
+SUITE_TASKS = {
+    name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
+}
+"""The tasks by name as the benchmark runs them."""
 BASELINE = "compensation"
 SLOW = {"predictive": 5}  # motions of policies that take much longer than the others
 
 
 class Setting(NamedTuple):
-    """Where policies are compared.
+    """A task at a level with a belief, in which policies are compared.
 
     Attributes:
         task: Name of the task.
@@ -57,7 +62,7 @@ class Setting(NamedTuple):
     def options(self) -> dict[str, Any]:
         """Options of the environment."""
         changes = {} if self.level == "shift" else {"suit": self.believed}
-        return {**changes, "level": self.level, "task": task_of_suite(self.task)}
+        return {**changes, "level": self.level, "task": SUITE_TASKS[self.task]}
 
     @property
     def true_suit(self) -> str:
@@ -69,7 +74,7 @@ class Trial(NamedTuple):
     """One policy in one setting.
 
     Attributes:
-        setting: Where.
+        setting: The setting.
         policy: A policy, with its belief; the name of a reference or bound has no options.
         label: Name of the policy in tables.
     """
@@ -109,10 +114,6 @@ class Suite:
             with each other only.
         scores: Names of scores of extras. They change no other number, and are no part of the
             contract.
-
-    Raises:
-        InputError: A name is unknown, there are too few motions, or an option is one of the
-            settings.
     """
 
     name: str
@@ -151,8 +152,9 @@ class Suite:
 
     def to_dict(self) -> dict[str, Any]:
         """Returns what a benchmark runs as plain values, by which it is known again."""
-        found = {"suite": self.name, "contract": self.contract, "tasks": self.tasks}
-        found |= {"levels": self.levels, "believed": self.believed, "motions": self.motions}
+        fields = ("tasks", "levels", "believed", "motions")
+        found: dict[str, Any] = {"suite": self.name, "contract": self.contract}
+        found |= {name: getattr(self, name) for name in fields}
         found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
         others = {"options": self.options, "scores": self.scores}
         return found | {name: one for name, one in others.items() if one}
@@ -195,15 +197,15 @@ class Suite:
         runs once.
         """
         fixed = {name: PolicySpec(name) for name in (*REFERENCES, *BOUNDS[1:])}
-        found = []
+        found: dict[str, Trial] = {}
         for setting in self.settings:
             for label, one in {**fixed, **self.policies}.items():
+                trial = Trial(where(setting), one, label)
                 if believes(one.name):
                     suited = PolicySpec(one.name, {"suit": setting.believed, **one.options})
-                    found.append(Trial(setting, suited, label))
-                else:
-                    found.append(Trial(where(setting), one, label))
-        return list({trial.file_name: trial for trial in found}.values())
+                    trial = Trial(setting, suited, label)
+                found[trial.file_name] = trial
+        return [*found.values()]
 
     def motions_of(self, policy: PolicySpec) -> int:
         """Returns the number of motions of a policy."""
@@ -214,7 +216,9 @@ class Suite:
         """A hash of all that makes results comparable: tasks, levels, suits, wearer and sensors."""
         content = {
             "version": VERSION,
-            "tasks": {name: [type(task).__name__, asdict(task)] for name, task in _TASKS.items()},
+            "tasks": {
+                name: [type(task).__name__, asdict(task)] for name, task in SUITE_TASKS.items()
+            },
             "levels": {name: LEVELS[name] for name in dict.fromkeys((*COMPARED, *self.levels))},
             "suits": {
                 name: load_suit(name).model_dump(mode="json", exclude_none=True)
@@ -224,10 +228,14 @@ class Suite:
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
             "seed": FIRST_SEED,
-            **({"options": dict(self.options)} if self.options else {}),
+            **self._own_options,
         }
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+    @property
+    def _own_options(self) -> dict[str, Any]:
+        return {"options": dict(self.options)} if self.options else {}
 
     def protocol(self, policy: PolicySpec) -> dict[str, Any]:
         """Returns how a result came about: version, contract, seeds, motions and packages."""
@@ -236,7 +244,7 @@ class Suite:
             "contract": self.contract,
             "first_seed": FIRST_SEED,
             "episodes": self.motions_of(policy),
-            **({"options": dict(self.options)} if self.options else {}),
+            **self._own_options,
             "activesuit": __version__,
             "mujoco": mujoco.__version__,
             "numpy": np.__version__,
@@ -249,19 +257,9 @@ def where(setting: Setting) -> Setting:
     return setting._replace(believed=setting.true_suit) if setting.level == "shift" else setting
 
 
-def task_of_suite(name: str) -> Task:
-    """Returns a task as the benchmark runs it."""
-    return _TASKS[name]
-
-
-_TASKS = {
-    name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
-}
-_ON_CUFFS = ("none", "transparent", "compensation", "corrected")
 # `corrected` needs cuffs; parts of `compensation` are in tables of their own.
 _OTHERS = ("oracle", "corrected", "transparent", "gravity", "complement")
 _ALL = (*(name for name in POLICIES if name not in _OTHERS), *shipped_policies())
-_QUICK = ("none", "compensation")
 
 
 def suite(
@@ -295,13 +293,15 @@ SUITES = {
     "full": Suite(name="full", policies={name: policy_spec(name) for name in _ALL}),
     "cuffs": Suite(
         name="cuffs",
-        policies={name: policy_spec(name) for name in _ON_CUFFS},
+        policies={
+            name: policy_spec(name) for name in ("none", "transparent", "compensation", "corrected")
+        },
         tasks=("ElbowFlexion", "ArmTracking", "MinorLoops", "ReachPanel"),
         coupling="cuffs",
     ),
     "quick": Suite(
         name="quick",
-        policies={name: policy_spec(name) for name in _QUICK},
+        policies={name: policy_spec(name) for name in ("none", "compensation")},
         tasks=("ElbowFlexion", "MinorLoops", "Ratchet"),
         believed=("emu-like",),
         motions=8,

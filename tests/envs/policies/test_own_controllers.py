@@ -9,7 +9,7 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy
 from helpers import fails, run, shorten_tasks
 
-PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
+PAGE = Path(__file__).parents[3] / "docs" / "controllers.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
 (CLASSES,) = (block for block in BLOCKS if "(TorquePolicy)" in block)
 SENSORS = ["encoders", "preview", "interaction"]

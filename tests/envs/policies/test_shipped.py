@@ -9,8 +9,7 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options, policy_spec, trained
 from activesuit.envs.policies.network import read_card
 from activesuit.envs.policies.trained import SHIPPED
-from activesuit.scripts.main import main
-from helpers import assert_refused, fails, run, short_benchmark
+from helpers import assert_refused, fails, run
 from trained_runs import make_run
 
 pytest.importorskip("stable_baselines3")
@@ -40,15 +39,6 @@ def test_it_acts_by_its_name_in_any_scene(capsys):
     assert "It does little." in run(capsys, "list", "policies")
     observed = fails(capsys, *given, "--history", "3")
     assert "what a policy observes follows from the policy" in observed
-
-
-@pytest.mark.slow
-def test_the_benchmark_has_its_sensors(tmp_path):
-    given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--motions"]
-    given += ["8", "--believed", "emu-like", "--workers", "1", "--backend", "threading"]
-    with short_benchmark(1.0):
-        main([*given, "--policies", "my-network", "--out", str(tmp_path / "run")])
-    assert "| my-network | encoders |" in (tmp_path / "run" / "tables.md").read_text()
 
 
 @pytest.mark.slow

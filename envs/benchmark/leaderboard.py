@@ -22,7 +22,7 @@ from ..policies import POLICIES, needed_options
 from ..policies.trained import shipped_policies
 from .results import Result
 from .standings import EFFORT, FIXED, MARGIN, Measure, Standings, cost_over, measures_of
-from .suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
+from .suites import BASELINE, BELIEVED, SUITES, VERSION, Setting
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 TITLE, FIGURE = "# Controllers compared", "profiles.png"
@@ -60,25 +60,14 @@ class Said(NamedTuple):
     remarks: list[str]
 
 
-class Benchmark(Standings):
-    """Results of a benchmark beside each other, as tables, sentences and figures.
-
-    Args:
-        results: Results of one contract, such as `read_results` returns.
-
-    Attributes:
-        results: The results.
-    """
-
-    def __init__(self, results: Sequence[Result]) -> None:
-        super().__init__(results)
-        self.results = [*results]
+class Leaderboard(Standings):
+    """Results of a benchmark beside each other, as tables, sentences and figures."""
 
     @cached_property
     def scores(self) -> dict[str, Said]:
         """What the results say about each score of an extra that they have."""
         names = dict.fromkeys(name for one in self.results for name in one.extra)
-        return {name: _said(self, name, self.results) for name in names}
+        return {name: _said(self, name) for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns all trials as plain values."""
@@ -112,35 +101,24 @@ class Benchmark(Standings):
         return {"profiles": _profile_plot(self)}
 
     def differences(self, policies: Sequence[str]) -> dict[str, Rows]:
-        """Returns a row per setting: the paired difference of relief, with its 95 % interval.
+        """Returns the paired differences of relief to the first policy, by the names of the others.
 
-        Args:
-            policies: Names of policies, with the first of which the others are compared.
-
-        Returns:
-            The tables by the names of the others.
-
-        Raises:
-            InputError: There are fewer than two policies, or a name is unknown.
+        Each table has a row per setting, with the 95 % interval.
         """
         if len(policies) < 2:
             raise InputError("compare needs two policies: add --policies compensation adaptive")
         first, *others = policies
         header = ["task", "level", "believed", "difference\n(95 % interval)"]
-
-        def rows(other: str) -> list[list[str]]:
-            of = {one: self.difference(one, other, first) for one in self.settings}
-            return [[s.task, s.level, s.believed, interval_text(one)] for s, one in of.items()]
-
-        return {other: (header, rows(other)) for other in others}
+        return {
+            other: (
+                header,
+                [[*s, interval_text(self.difference(s, other, first))] for s in self.settings],
+            )
+            for other in others
+        }
 
     def page(self, title: str = TITLE, figure: str = FIGURE) -> str:
-        """Returns all tables as Markdown, with the protocol above them.
-
-        Args:
-            title: Heading of the page.
-            figure: Name of the file of the performance profiles.
-        """
+        """Returns all tables as Markdown, with heading, figure of profiles and protocol."""
         protocol = {key: without_markup(str(value)) for key, value in self.protocol.items()}
         versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
         parts = [
@@ -157,10 +135,11 @@ class Benchmark(Standings):
             for title, rows in said.tables.items():
                 parts.append(f"### {title}\n\n{_safe(rows)}\n")
         parts.append(
-            f"Made by `activesuit benchmark table` from {self.count} trials of suite version "
-            f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
-            f"({versions}; contract {protocol.get('contract')}). Results are taken as they are: "
-            "nothing proves that a file of results comes from the runs that it names.\n"
+            f"Made by `activesuit benchmark table` from {len(self.results)} trials of suite "
+            f"version {protocol.get('suite_version')}, with seeds from "
+            f"{protocol.get('first_seed')} ({versions}; contract {protocol.get('contract')}). "
+            "Results are taken as they are: nothing proves that a file of results comes from the "
+            "runs that it names.\n"
         )
         return "\n".join(parts)
 
@@ -174,22 +153,21 @@ def _level_rows(standings: Standings, level: str) -> Rows:
     ]
     rows = []
     for one in standings.by_level(level):
-        free = one.policy not in FIXED
-        rows.append(
-            [
-                one.policy if not one.failed else f"{one.policy} ({one.failed} failed)",
-                _sensors(one.policy),
-                f"{one.success:.0%}",
-                interval_text(one.relief),
-                interval_text(one.over_tasks).partition(" ")[2].strip("()"),
-                interval_text(one.assisted),
-                "-" if one.mean is None else f"{one.mean:.2f}",
-                "-" if one.worst is None else f"{one.worst[0]:.2f} {one.worst[1].task}",
-                interval_text(one.gain if free else None),
-                " / ".join(f"{share:.0%}" for share in one.compared or ()) if free else "-",
-            ]
-        )
-    return header, [[cell or "-" for cell in row] for row in rows]
+        gain, compared = (None, None) if one.policy in FIXED else (one.gain, one.compared)
+        cells = [
+            one.policy if not one.failed else f"{one.policy} ({one.failed} failed)",
+            _sensors(one.policy),
+            f"{one.success:.0%}",
+            interval_text(one.relief),
+            interval_text(one.over_tasks).partition(" ")[2].strip("()"),
+            interval_text(one.assisted),
+            "" if one.mean is None else f"{one.mean:.2f}",
+            "" if one.worst is None else f"{one.worst[0]:.2f} {one.worst[1].task}",
+            interval_text(gain),
+            " / ".join(f"{share:.0%}" for share in compared or ()),
+        ]
+        rows.append([cell or "-" for cell in cells])
+    return header, rows
 
 
 def _sensors(policy: str) -> str:
@@ -204,7 +182,7 @@ def _sensors(policy: str) -> str:
     own = getattr(sys.modules.get(name), attribute.partition(":")[0], None)
     sensors = getattr(POLICIES.get(name, own), "sensors", None)
     known = isinstance(sensors, list | tuple) and all(isinstance(one, str) for one in sensors)
-    return (", ".join(sensors) if known and sensors else "") or "-"
+    return ", ".join(sensors) if known and sensors else "-"
 
 
 def _contract_remarks(standings: Standings) -> Iterator[str]:
@@ -215,14 +193,13 @@ def _contract_remarks(standings: Standings) -> Iterator[str]:
         return
     suits = {setting.believed for setting in standings.settings} - {*BELIEVED}
     levels = {setting.level for setting in standings.settings} - {*COMPARED}
-    options = protocol.get("options")
-    version = protocol.get("suite_version")
-    reasons = [
-        *(f"the suit {one}" for one in sorted(suits)),
-        *(f"the level {one}" for one in sorted(levels)),
-        *([f"the options {', '.join(options)}"] if isinstance(options, dict) else []),
-        *([f"version {version} of the suites"] if version != VERSION else []),
-    ]
+    options, version = protocol.get("options"), protocol.get("suite_version")
+    reasons = [f"the suit {one}" for one in sorted(suits)]
+    reasons += [f"the level {one}" for one in sorted(levels)]
+    if isinstance(options, dict):
+        reasons.append(f"the options {', '.join(options)}")
+    if version != VERSION:
+        reasons.append(f"version {version} of the suites")
     because = " and ".join(reasons) or "other tasks, levels, suits or wearers in their version"
     yield (
         f"note: because of {because} these results can be compared with each other, and not with "
@@ -234,10 +211,8 @@ def _task_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per setting of a level: success and mean relief of every policy."""
     settings = standings.settings_at(level)
     names = [name for name in standings.policies_at(level) if name not in FIXED[:2]]
-    rows = [
-        [f"{s.task}\n{s.believed}", *(_cell(standings, s, name) for name in names)]
-        for s in settings
-    ]
+    cells = [[_cell(standings, setting, name) for name in names] for setting in settings]
+    rows = [[f"{s.task}\n{s.believed}", *row] for s, row in zip(settings, cells, strict=True)]
     return ["task\nand suit", *names], rows
 
 
@@ -245,16 +220,14 @@ def _best_policies(standings: Standings) -> Iterator[str]:
     """Yields a sentence per level: the policy with the most relief, beside the bound."""
     for level in standings.levels:
         found = [one for one in standings.by_level(level) if one.relief is not None]
-        causal = [one for one in found if one.policy not in FIXED]
-        if not causal:
-            continue
-        best = causal[0]
-        bound = [interval_text(one.relief) for one in found if one.policy == FIXED[2]]
-        beside = f"; that of the best known plan is {bound[0]}" if bound else ""
-        yield (
-            f"{level}: {best.policy} has the most relief, {interval_text(best.relief)}, and "
-            f"succeeds in {best.success:.0%} of its motions{beside}."
-        )
+        best = next((one for one in found if one.policy not in FIXED), None)
+        if best is not None:
+            bound = [interval_text(one.relief) for one in found if one.policy == FIXED[2]]
+            beside = f"; that of the best known plan is {bound[0]}" if bound else ""
+            yield (
+                f"{level}: {best.policy} has the most relief, {interval_text(best.relief)}, and "
+                f"succeeds in {best.success:.0%} of its motions{beside}."
+            )
 
 
 def _safe(rows: Rows) -> str:
@@ -267,17 +240,20 @@ def _safe(rows: Rows) -> str:
 def _best(standings: Standings) -> str:
     """Returns a sentence where the policy of the best relief has not the most success."""
     level = standings.levels[0]
-    causal = [one for one in standings.by_level(level) if one.policy not in FIXED and one.relief]
-    if not causal:
+    found = [
+        (one.relief.value, one.success, f"`{one.policy.replace('`', '')}`")
+        for one in standings.by_level(level)
+        if one.policy not in FIXED and one.relief is not None
+    ]
+    if not found:
         return ""
-    first, most = causal[0], max(causal, key=lambda one: one.success)
-    if first.success == most.success or first.relief is None or most.relief is None:
+    (relief, success, name), most = found[0], max(found, key=lambda one: one[1])
+    if success == most[1]:
         return ""
-    names = [f"`{one.policy.replace('`', '')}`" for one in (first, most)]
     return (
-        f" **The best relief is not the best success**: at {level} {names[0]} has the most "
-        f"relief ({first.relief.value:.2f}) and succeeds in {first.success:.0%} of its motions; "
-        f"{names[1]} succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
+        f" **The best relief is not the best success**: at {level} {name} has the most "
+        f"relief ({relief:.2f}) and succeeds in {success:.0%} of its motions; "
+        f"{most[2]} succeeds in {most[1]:.0%} with a relief of {most[0]:.2f}."
     )
 
 
@@ -305,9 +281,9 @@ def _cell(
 ) -> str:
     """Returns the success of a policy in a setting, or its mean cost; below the mean relief."""
     found = standings.of(setting, policy)
-    series = found and (measure.series(found) if measure else found.success)
     if found is not None and found.failed:
         return "failed"
+    series = found and (measure.series(found) if measure else found.success)
     if not series:
         return "-"
     relief = standings.relief(setting, policy, of=measure or EFFORT)
@@ -339,22 +315,24 @@ def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
             yield f"{policy} at {level} failed in {failed}: {text}"
 
 
-def _said(standings: Standings, name: str, results: Sequence[Result]) -> Said:
+def _said(standings: Standings, name: str) -> Said:
     """Returns what results say about one score of an extra."""
     if name not in SCORES:
         return Said("", {}, [f"note: no extra with the score {shown(name)} is here"])
     facts = {
         f"{one.policy} in {one.task} at {one.level} with {one.believed}": _facts(one, name)
-        for one in results
+        for one in standings.results
         if _facts(one, name)
     }
-    remarks = [*_gaps(name, results), *limit_remarks(name, facts)]
-    return Said(SCORES.find(name).text, _score_tables(standings, name, results), remarks)
+    remarks = [*_gaps(name, standings.results), *limit_remarks(name, facts)]
+    return Said(SCORES.find(name).text, _score_tables(standings, name), remarks)
 
 
-def _score_tables(standings: Standings, name: str, results: Sequence[Result]) -> dict[str, Rows]:
+def _score_tables(standings: Standings, name: str) -> dict[str, Rows]:
     least, tables = SCORES.find(name).least, {}
-    measures = {cost: measures_of(results, name, cost, one) for cost, one in least.items()}
+    measures = {
+        cost: measures_of(standings.results, name, cost, one) for cost, one in least.items()
+    }
     for level in standings.levels:
         settings, costs, facts = standings.settings_at(level), {}, {}
         for policy in standings.policies_at(level):
