@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, shown
 from .episodes import Episodes, checked_seed
-from .info import Info
+from .interface.info import Info
 from .model import ArmConfig
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup

@@ -14,11 +14,9 @@ from ..assets import JOINTS
 from ..checks import HIGHEST_SEED, flag, within
 from ..errors import InputError, shown
 from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
-from .info import Info
-from .model import ArmConfig, compose, resisting_joints
-from .observation import NOISY, Observer
-from .person import isometric_strength
-from .reward import (
+from .interface.info import Info
+from .interface.observation import NOISY, Observer
+from .interface.reward import (
     CLIPPED,
     COST,
     DIVERGED,
@@ -35,12 +33,14 @@ from .reward import (
     judge_hand,
     suited_effort,
 )
+from .model import ArmConfig, compose, resisting_joints
+from .person import isometric_strength
 from .setup import Setup
 from .simulation import Simulation
 from .simulation.bound_kernels import bound
+from .simulation.episode_plan import Plan
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, TIME, snapshot
-from .simulation.plan import Plan
 from .simulation.row_models import Variety
 from .simulation.simulation import Start
 from .simulation.state import check_state, fresh_seed, stream

@@ -6,13 +6,13 @@ from typing import Any
 
 from ..checks import flag, within
 from ..errors import InputError, refuse_old_names, shown, unknown_name
-from .levels import with_level
+from .domain.levels import with_level
+from .domain.randomization import Randomization
+from .interface.observation import checked_sensors
+from .interface.own_code import OwnReward
 from .model import ArmConfig
 from .model.config import nested
-from .observation import checked_sensors
-from .own_code import OwnReward
 from .person import VoluntaryControl
-from .randomization import Randomization
 from .simulation.faults import Faults
 from .simulation.measurements import Sensing
 from .simulation.simulation import PREVIEW

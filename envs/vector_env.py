@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ..checks import at_least, flag
 from ..errors import InputError, refuse_old_names, shown, unknown_name
 from .episodes import Episodes, checked_seed
+from .interface.reward import COSTS, TERMS, cost_terms, is_success
 from .rendering import ArmRenderer, RenderQuality
-from .reward import COSTS, TERMS, cost_terms, is_success
 from .setup import Setup
 from .simulation.measurements import SENSED
 from .tasks import ARM_TRACKING, Task, task_of

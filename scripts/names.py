@@ -18,7 +18,7 @@ DECLARED = {  # dataclasses whose fields are options, and their files
     **dict.fromkeys(("Exo", "Motor"), "envs/model/exoskeleton.py"),
     "Person": "envs/person/anthropometry.py",
     "VoluntaryControl": "envs/person/control.py",
-    "Randomization": "envs/randomization.py",
+    "Randomization": "envs/domain/randomization.py",
     "Sensing": "envs/simulation/measurements.py",
     "Faults": "envs/simulation/faults.py",
     "Corrections": "identification/corrections/corrections.py",

@@ -320,7 +320,7 @@ joints = names_of("assets", "JOINTS")
 shipped_tasks = names_of("envs.tasks", "TASKS")
 tasks = names_of("envs.tasks", "TASKS", "FILE.csv")
 uses = names_of("envs.tasks", "TASKS", "FILE.csv", "any")  # what curves may be for
-levels = names_of("envs.levels", "LEVELS")
+levels = names_of("envs.domain.levels", "LEVELS")
 scores = names_of("envs.extras", "SCORES")
 drawings = names_of("envs.extras", "DRAWINGS")
 

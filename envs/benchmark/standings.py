@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import unknown_name
+from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, REFERENCES
 from ..evaluation.extra_scores import Cost
 from ..evaluation.statistics import (
@@ -27,7 +28,6 @@ from ..evaluation.statistics import (
     relief,
 )
 from ..extras import STANDARD
-from ..levels import LEVELS
 from .results import SERIES, Result
 from .suite import BASELINE, Setting, where
 

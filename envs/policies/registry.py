@@ -14,8 +14,8 @@ from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
 from ..arm_env import ArmEnv
 from ..belief import Belief
+from ..interface.own_code import imported
 from ..model import resisting_joints
-from ..own_code import imported
 from ..plant import Plant
 from ..setup import USUAL
 from ..vector_env import ArmVectorEnv

@@ -22,11 +22,11 @@ from ..person import VoluntaryControl
 from . import compiling, equilibrium
 from .bound_kernels import bound
 from .cycle import after, before
+from .episode_plan import Plan, checked_plan
 from .faults import FaultInjector, Faults, reception_of
 from .inverse_dynamics import Chain, arm_torques
 from .kinematics import Arm
 from .measurements import COLUMNS, Sensing, sense
-from .plan import Plan, checked_plan
 from .row_models import RowModels, Variety
 from .state import (
     KEPT,

@@ -11,8 +11,8 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, shown, unknown_name
 from ...published import LI_RANGES, LI_TURNS
+from ..simulation.episode_plan import Motion, Plan
 from ..simulation.kinematics import Arm
-from ..simulation.plan import Motion, Plan
 from .motions import between, posture, ramped, random_motion, through
 from .task import LONGEST, SUSTAINED, Task, check_pair
 

@@ -8,7 +8,7 @@ from numba import njit
 
 from ...arrays import AnyArray, Array
 from ...assets import JOINTS
-from ..simulation.plan import Motion
+from ..simulation.episode_plan import Motion
 
 
 def minimum_jerk(fraction: AnyArray) -> tuple[Array, Array, Array]:

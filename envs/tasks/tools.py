@@ -12,8 +12,8 @@ from ...assets import JOINTS
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import CARRIED, add_reaction, draw, grip, holder, place_of
 from ..provenance import setting
+from ..simulation.episode_plan import STRONGEST, Plan
 from ..simulation.kinematics import Arm
-from ..simulation.plan import STRONGEST, Plan
 from .motions import between, posture, ramped, repeated, through
 from .task import LOADED, SUSTAINED, Task, check_range
 

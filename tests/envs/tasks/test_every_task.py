@@ -8,9 +8,9 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.levels import LEVELS
+from activesuit.envs.domain.levels import LEVELS
+from activesuit.envs.interface.reward import is_success
 from activesuit.envs.model.config import COUPLINGS
-from activesuit.envs.reward import is_success
 from activesuit.envs.tasks import TASKS
 from activesuit.envs.tasks.task import FARTHEST, TOLERANCES
 from arms import assert_same_states, physics, state

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..errors import InputError, shown
+from ...arrays import Array
+from ...errors import InputError, shown
 
 Rewarding = Callable[[Mapping[str, Array], Mapping[str, NDArray]], Array]
 

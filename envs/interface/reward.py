@@ -14,18 +14,18 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numba import njit
 
-from ..arrays import Array
-from ..assets import JOINTS, SuitJoint
-from .model.cuffs import FORCE_LIMITS
-from .person import strength_limits
-from .simulation.bound_kernels import Frozen, thawed
-from .simulation.inverse_dynamics import Chain, arm_torques
-from .simulation.kinematics import Arm
-from .simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET
-from .simulation.plan import Plan
-from .simulation.structs import SAVED, Bools, Episode, Whole
-from .tasks import Task
-from .tasks.task import Limit
+from ...arrays import Array
+from ...assets import JOINTS, SuitJoint
+from ..model.cuffs import FORCE_LIMITS
+from ..person import strength_limits
+from ..simulation.bound_kernels import Frozen, thawed
+from ..simulation.episode_plan import Plan
+from ..simulation.inverse_dynamics import Chain, arm_torques
+from ..simulation.kinematics import Arm
+from ..simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET
+from ..simulation.structs import SAVED, Bools, Episode, Whole
+from ..tasks import Task
+from ..tasks.task import Limit
 
 TERMS = ("effort", "tracking", "smoothness")
 ERROR_SCALE = 0.1  # rad

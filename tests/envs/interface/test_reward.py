@@ -9,11 +9,11 @@ import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate, rollout, score
+from activesuit.envs.interface.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import NoAssist, make_policy
-from activesuit.envs.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
 from activesuit.envs.simulation.wearer_control import USUAL
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv

@@ -6,14 +6,14 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..assets import JOINTS, Suit, SuitJoint
-from ..checks import within
-from ..errors import InputError, shown, unknown_name
-from .model import ArmConfig, Payload, suit_of_config
-from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
-from .person import Person
-from .provenance import check_settings, setting
-from .simulation.plan import Plan
+from ...assets import JOINTS, Suit, SuitJoint
+from ...checks import within
+from ...errors import InputError, shown, unknown_name
+from ..model import ArmConfig, Payload, suit_of_config
+from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
+from ..person import Person
+from ..provenance import check_settings, setting
+from ..simulation.episode_plan import Plan
 
 SuitChoice = Literal["nominal", "samples"]
 LARGEST_SHARE = 0.5

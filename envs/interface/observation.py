@@ -11,11 +11,11 @@ from gymnasium.spaces import Box
 from numba import njit
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..assets import JOINTS
-from ..errors import InputError, shown, unknown_name
-from .simulation.bound_kernels import bound, thawed
-from .simulation.measurements import WIDTH
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError, shown, unknown_name
+from ..simulation.bound_kernels import bound, thawed
+from ..simulation.measurements import WIDTH
 
 
 @dataclass(frozen=True)
