@@ -147,11 +147,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     def step(
         self, action: NDArray[np.floating[Any]]
     ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """Applies `action` for one control period.
-
-        Raises:
-            InputError: The action has the wrong shape or is not finite, or there was no reset.
-        """
+        """Applies `action` for one control period."""
         self.episodes.require_reset("step")
         episodes = self.episodes
         episodes.step_one(action)
@@ -201,10 +197,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
         Returns:
             The observation and info of that moment.
-
-        Raises:
-            InputError: The state belongs to another suit, gravity or step, or to an episode that
-                has diverged, or does not come from `get_state`; nothing has changed.
         """
         self.episodes.restore(ROW, state)
         self.renderer.forget()

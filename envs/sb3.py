@@ -28,9 +28,6 @@ class ArmVecEnv(VecEnv):
 
     Args:
         arms: Vector environment with `autoreset_mode="SameStep"`.
-
-    Raises:
-        InputError: The vector environment has another mode.
     """
 
     def __init__(self, arms: ArmVectorEnv) -> None:

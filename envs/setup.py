@@ -8,14 +8,14 @@ from ..checks import flag, within
 from ..errors import InputError, refuse_old_names, shown, unknown_name
 from .domain.levels import with_level
 from .domain.randomization import Randomization
-from .interface.observation import checked_sensors
+from .interface.observation import DEFAULT_SENSORS, checked_sensors
 from .interface.own_code import OwnReward
 from .model import ArmConfig
 from .model.config import nested
 from .person import VoluntaryControl
 from .simulation.faults import Faults
 from .simulation.measurements import Sensing
-from .simulation.simulation import PREVIEW
+from .simulation.state import PREVIEW
 from .tasks import Task
 
 ROUNDING = 1e-9  # s
@@ -80,7 +80,7 @@ class Setup:
         found = {"gravity": task.place} | with_level(options)
         arm = ArmConfig.from_dict({name: found[name] for name in found.keys() & OF_ARM})
         own = {name: found[name] for name in found.keys() - OF_ARM if found[name] is not None}
-        own = {**USUAL, "fatigue": task.fatigue, **own}
+        own = {**DEFAULTS, "fatigue": task.fatigue, **own}
         _check_period(own["control_dt"], arm.timestep)
         usual_control = VoluntaryControl()
         delay = round(usual_control.delay / own["control_dt"]) * own["control_dt"]
@@ -114,8 +114,8 @@ OF_ARM = frozenset(one.name for one in fields(ArmConfig))
 OPTIONS = OF_ARM | {one.name for one in fields(Setup)} - {"arm"} | {"level"}
 """Names of the options of an environment, and of those that are options of its arm."""
 
-USUAL: dict[str, Any] = {
-    "sensors": ("encoders",),
+DEFAULTS: dict[str, Any] = {
+    "sensors": DEFAULT_SENSORS,
     "normalize": False,
     "history": 1,
     "control_dt": 0.01,

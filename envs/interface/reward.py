@@ -9,21 +9,25 @@ where E is the effort of the suited arm without an exoskeleton, a constant of th
 (`suited_effort`). It is never negative, so that an episode that ends early gains nothing.
 """
 
-from typing import Annotated, NamedTuple
+from collections.abc import Sequence
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...assets import JOINTS, SuitJoint
+from ...assets import JOINTS
 from ..model.cuffs import FORCE_LIMITS
-from ..person import strength_limits
-from ..simulation.bound_kernels import Frozen, thawed
+from ..person import isometric_strength, strength_limits
+from ..simulation import Simulation
+from ..simulation.bound_kernels import bound
 from ..simulation.episode_plan import Plan
 from ..simulation.inverse_dynamics import Chain, arm_torques
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET
-from ..simulation.structs import SAVED, Bools, Episode, Whole
+from ..simulation.structs import Bools, Episode, Saved, Scratch, Whole, allocated, saved
+from ..simulation.wearer_control import COCONTRACTION
 from ..tasks import Task
 from ..tasks.task import Limit
 
@@ -47,42 +51,27 @@ LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
 EVERY = 5  # samples between those that `suited_effort` uses
 
 
-def suited_effort(
-    chain: Chain,
-    arm: Arm,
-    strength: Array,
-    suit: dict[str, SuitJoint],
-    plans: list[Plan],
-    dt: float,
-    contraction: Array,
-) -> float:
+def suited_effort(simulation: Simulation, plans: Sequence[Plan]) -> float:
     """Returns the effort that motions take in the suit and without an exoskeleton.
 
-    That is the root mean square over time and four joints of the torque of inverse dynamics and
-    the usual co-contraction over the strength of a still joint. It includes weight and inertia of
-    the load in the hand.
-
-    Args:
-        chain: Inertia of the arm with suit and the load of the configuration.
-        arm: The bare arm.
-        strength: Isometric strength of the wearer [N·m], shape (2, 4).
-        suit: Joints of the suit.
-        plans: Plans of some episodes.
-        dt: Time between samples [s].
-        contraction: The usual co-contraction [N·m], shape (4,).
+    That is the root mean square over time and four joints of the torque of inverse dynamics and the
+    usual co-contraction over the strength of a still joint. It includes weight and inertia of the
+    load in the hand.
     """
-    squares = []
+    wearer, dt, squares = simulation.config.wearer, simulation.control_dt, []
+    chain, arm = Chain.of(simulation.model, dressed=True), simulation.arm_of(0)
+    contraction = simulation.control.impedance(wearer)[COCONTRACTION]
     for plan in plans:
         motion = plan.motion
         angle, rate, acceleration = (part[::EVERY].copy() for part in motion)
         torque = arm_torques(chain, angle, rate, acceleration)
         if plan.mass is not None or plan.push is not None:
             torque += arm.torque_of(angle, _force(arm, plan, dt)[::EVERY])
-        for joint, entry in suit.items():
+        for joint, entry in simulation.suit.items():
             column = JOINTS.index(joint)
             time = dt * np.arange(len(motion[0]))
             torque[:, column] += entry.response(motion[0][:, column], time=time)[::EVERY]
-        low, high = strength_limits(strength, angle, np.zeros_like(angle))
+        low, high = strength_limits(isometric_strength(wearer), angle, np.zeros_like(angle))
         flexors, extensors = np.maximum(torque, 0), np.maximum(-torque, 0)
         load = np.maximum((flexors + contraction) / high, (extensors + contraction) / -low)
         squares.append(np.mean(load**2))
@@ -102,10 +91,10 @@ def _force(arm: Arm, plan: Plan, dt: float) -> Array:
 class Score(NamedTuple):
     """Rewards and costs of the episodes, and the constants of which they are made."""
 
-    sums: Annotated[Array, SAVED]  # reward terms and costs of the episode so far, (n, SUMS)
-    reward: Array  # reward of the last control period, (n,)
-    terminated: Bools
-    truncated: Bools
+    sums: Annotated[Array, Saved("n sums")]  # reward terms and costs of the episode so far
+    reward: Annotated[Array, Scratch("n")]  # reward of the last control period
+    terminated: Annotated[Bools, Scratch("n")]
+    truncated: Annotated[Bools, Scratch("n")]
     ranges: Array  # ranges of the joints [rad], (4, 2)
     scale: float  # effort of the suited arm
     has_cuffs: bool
@@ -116,29 +105,96 @@ class Score(NamedTuple):
 class Watch(NamedTuple):
     """The places at which a task judges the hand; without samples if it judges none."""
 
-    watched: Annotated[Bools, SAVED]  # samples that are judged, (n, samples)
-    hand_places: Annotated[Array, SAVED]  # intended places of the hand [m], (n, samples, 3)
-    last_hand: Annotated[Array, SAVED]  # place of the hand one control period ago [m], (n, 3)
+    watched: Annotated[Bools, Saved("n samples")]  # samples that are judged
+    hand_places: Annotated[Array, Saved("n samples 3")]  # intended places of the hand [m]
+    last_hand: Annotated[Array, Saved("n 3")]  # place of the hand one control period ago [m]
     hand: Whole  # place of the hand in sensordata, (3,)
 
 
+class Judged(NamedTuple):
+    """What `judge` and `judge_hand` work on."""
+
+    plugin_state: Array  # state of the suits, (n, size)
+    sensordata: Array  # sensors of the physics, (n, size)
+    episode: Episode
+    change: Array  # last change of the command, (n, motors)
+    measured: Array  # measurements, (n, columns)
+    score: Score
+    watch: Watch
+
+
+class Judge:
+    """Judges the episodes of a task: rewards, costs, ends, and the places of the hand.
+
+    Args:
+        simulation: The simulated arms.
+        task: The task.
+        effort_scale: Effort that rewards are scaled by.
+
+    Attributes:
+        score: Rewards and costs.
+        watch: Places of the hand.
+    """
+
+    def __init__(self, simulation: Simulation, task: Task, effort_scale: float) -> None:
+        state, at = simulation.state, simulation.addresses
+        samples = simulation.samples if task.watches else 0
+        sizes = {"n": simulation.n, "sums": SUMS, "samples": samples}
+        self.score = allocated(
+            Score,
+            sizes,
+            ranges=simulation.model.jnt_range[: len(JOINTS)],
+            scale=effort_scale,
+            has_cuffs="cuff_force" in simulation.columns,
+            assisted=at.assisted,
+            faults=at.faults,
+        )
+        self.watch = allocated(Watch, sizes, hand=at.hand)
+        self._simulation = simulation
+        arms = Judged(
+            plugin_state=simulation.plugin_state,
+            sensordata=simulation.sensordata,
+            episode=state.episode,
+            change=state.motors.change,
+            measured=state.sensors.measured,
+            score=self.score,
+            watch=self.watch,
+        )
+        rows = np.arange(simulation.n)
+        self._judge = bound(judge, (rows, True), arms)
+        self._look = bound(judge_hand, (rows,), arms) if task.watches else None
+
+    def arrays(self) -> dict[str, NDArray]:
+        """Returns the arrays that are state of episodes, by name."""
+        marked = {**saved(self.score), **saved(self.watch)}
+        return {name: values for name, (values, _) in marked.items()}
+
+    def begin(self, rows: Whole) -> None:
+        """Judges the beginning of the episodes of some rows."""
+        if self._look:
+            hands = self._simulation.sensordata[rows[:, None], self.watch.hand]
+            self.watch.last_hand[rows] = hands
+        self._judge(rows, False)
+
+    def judge(self, rows: Whole) -> None:
+        """Judges the control period that has passed in some rows."""
+        self._judge(rows, True)
+        if self._look:
+            self._look(rows)
+
+    def restore(self, rows: Whole) -> None:
+        """Judges the present moment of some rows, without adding to costs."""
+        self._judge(rows, False)
+
+
 @njit(cache=True)
-def judge(
-    rows: Whole, moved: bool, arms: Frozen[tuple[Array, Episode, Array, Array, Score]]
-) -> None:
+def judge(rows: Whole, moved: bool, arms: Judged) -> None:
     """Computes rewards of the last control period of some rows, and which episodes have ended.
 
     An episode terminates when the arm is lost, at a pole of the suit's torque, or diverged; that
-    period earns nothing. If rows have `moved`, the period is added to the costs of their
-    episodes.
-
-    Args:
-        rows: The rows, shape (k,).
-        moved: Whether a control period has passed since the last call.
-        arms: State of the suits, shape (n, size); counters of the episodes; last change of the
-            command, shape (n, motors); measurements, shape (n, columns); rewards and costs.
+    period earns nothing. If rows have `moved`, the period is added to the costs of their episodes.
     """
-    plugin_state, episode, change, measured, score = thawed(arms)
+    change, episode, measured, score = arms.change, arms.episode, arms.measured, arms.score
     sums, assisted = score.sums, score.assisted
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -157,7 +213,7 @@ def judge(
         diverged, step = episode.diverged[row], episode.step[row]
         ended = worst > LOST or diverged
         for j in range(score.faults.shape[0]):
-            ended = ended or plugin_state[row, score.faults[j]] == 1.0
+            ended = ended or arms.plugin_state[row, score.faults[j]] == 1.0
         score.terminated[row] = ended
         size = sums[row, TERM] + sums[row, TERM + 1] + sums[row, TERM + 2]
         score.reward[row] = 0.0 if ended else 1.0 / (1.0 + size)
@@ -200,41 +256,33 @@ def account(row: int, dt: float, change: Array, measured: Array, score: Score) -
         sums[row, COST + STOPS] += dt
 
 
-def cost_terms(costs: Array, periods: int) -> dict[str, float]:
-    """Returns the costs of an episode by name.
+def cost_terms(costs: Array, periods: Any) -> dict[str, Any]:
+    """Returns the costs of one or more episodes by name.
 
     `effort` is the root mean square of torque over strength, `tracking` that of the error over all
     joints [rad], and `worst_joint` that of the joint with the largest one [rad].
 
     Args:
-        costs: Costs of one row, shape (14,).
-        periods: Number of control periods since the reset.
+        costs: Costs of an episode, shape (13,), or of several, shape (n, 13).
+        periods: Number of control periods since the reset, or shape (n,).
     """
-    squares = costs[[STRAIN, *range(JOINT, WIDTH)]] / max(1, periods)
-    effort, joints = np.sqrt(squares[0]), np.sqrt(squares[1:])
-    found = dict(zip(COSTS, costs[:JOINT].tolist(), strict=False))
-    tracking = float(np.sqrt(np.mean(joints**2)))
-    return found | {
-        "effort": float(effort),
-        "tracking": tracking,
-        "worst_joint": float(joints.max()),
-    }
+    squares = costs[..., [STRAIN, *range(JOINT, WIDTH)]] / np.maximum(1, periods)[..., None]
+    effort, joints = np.sqrt(squares[..., 0]), np.sqrt(squares[..., 1:])
+    found = {name: costs[..., column] for column, name in enumerate(COSTS[:JOINT])}
+    found |= {"effort": effort, "tracking": np.sqrt(np.mean(joints**2, axis=-1))}
+    found["worst_joint"] = joints.max(axis=-1)
+    return found if costs.ndim > 1 else {name: float(value) for name, value in found.items()}
 
 
 @njit(cache=True)
-def judge_hand(rows: Whole, arms: Frozen[tuple[Array, Episode, Array, Watch, Array]]) -> None:
+def judge_hand(rows: Whole, arms: Judged) -> None:
     """Updates the greatest errors of the hands of some rows at the samples that are watched.
 
     Columns as `COSTS`: distance of the hand from its place [m], error of its pitch [rad], and the
-    share of its intended speed that it lacks.
-
-    Args:
-        rows: The rows, shape (k,).
-        arms: Sensors of the physics; counters of the episodes; measurements; places of the hand,
-            of which `last_hand` is overwritten; reward terms and costs of the episodes.
+    share of its intended speed that it lacks. `last_hand` is overwritten.
     """
-    sensordata, episode, measured, watch, sums = thawed(arms)
-    places, last = watch.hand_places, watch.last_hand
+    sensordata, episode, measured, watch = arms.sensordata, arms.episode, arms.measured, arms.watch
+    sums, places, last = arms.score.sums, watch.hand_places, watch.last_hand
     for k in range(rows.shape[0]):
         row = rows[k]
         now = min(episode.step[row], watch.watched.shape[1] - 1)
@@ -258,18 +306,12 @@ def judge_hand(rows: Whole, arms: Frozen[tuple[Array, Episode, Array, Watch, Arr
 
 
 def failed(costs: Array, periods: int, task: Task, *, ended: bool) -> tuple[Limit, ...]:
-    """Returns the limits of success that an episode does not meet so far, in the task's order.
-
-    Args:
-        costs: Costs of one row, shape (14,).
-        periods: Number of control periods since the reset.
-        task: The task.
-        ended: Whether the arm is lost.
-    """
+    """Returns the limits of success that an episode does not meet so far, in the task's order."""
     terms = {**cost_terms(costs, periods), "lost": float(ended)}
     return tuple(limit for limit in task.limits if not terms[limit.name] <= limit.value)
 
 
-def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
-    """Returns whether an episode is a success so far: it meets every limit; see `failed`."""
-    return not failed(costs, periods, task, ended=ended)
+def is_success(costs: Array, periods: Any, task: Task, *, ended: Any) -> Any:
+    """Returns whether episodes are a success so far: they meet every limit; see `failed`."""
+    terms = {**cost_terms(costs, periods), "lost": ended}
+    return np.all([terms[limit.name] <= limit.value for limit in task.limits], axis=0)

@@ -6,7 +6,7 @@ from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
 from ..plant import Plant
-from ..simulation.simulation import PREVIEW
+from ..simulation.state import PREVIEW
 from .base import Seen
 from .model_based import Compensation
 

@@ -17,7 +17,7 @@ from ..belief import Belief
 from ..interface.own_code import imported
 from ..model import resisting_joints
 from ..plant import Plant
-from ..setup import USUAL
+from ..setup import DEFAULTS
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive, IterativeLearning
 from .base import Policy
@@ -227,7 +227,7 @@ class PolicyKind:
         """Options of an environment in which the policy can act; see `needed_options`."""
         if self.maker is None:
             found = environment_of(self.folder)
-            return {part: found.get(part, USUAL[part]) for part in OBSERVATION}
+            return {part: found.get(part, DEFAULTS[part]) for part in OBSERVATION}
         sensors = getattr(self.maker, "sensors", None)
         return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 

@@ -92,19 +92,11 @@ class Arm:
         return self.torso + (places + self._shoulder) @ self._axes @ self.turn.T
 
     def postures(self, places: Array, start: Array) -> Array:
-        """Returns joint angles that bring the grip to places one after the other [rad].
+        """Returns joint angles that bring the grip to places in turn [rad], shape (samples, 4).
 
-        Abduction, shoulder and elbow move; the wrist keeps its angle.
-
-        Args:
-            places: Places of the grip [m], shape (samples, 3).
-            start: Angles from which the first posture is searched [rad], shape (4,).
-
-        Returns:
-            The angles, shape (samples, 4).
-
-        Raises:
-            InputError: A place is out of reach, or needs an angle outside the range of its joint.
+        Places are relative to the shoulder [m], shape (samples, 3). Abduction, shoulder and elbow
+        move; the wrist keeps its angle. The search for the first posture begins at `start`, shape
+        (4,).
         """
         wanted = (places + self._shoulder) @ self._axes
         found = np.empty((len(places), len(JOINTS)))
@@ -126,11 +118,8 @@ class Arm:
     def torque_of(self, angle: Array, force: Array) -> Array:
         """Returns the joint torques that withstand forces on the grip [N·m], shape (samples, 4).
 
-        That is minus J'F with the grip's Jacobian J.
-
-        Args:
-            angle: Joint angles [rad], shape (samples, 4).
-            force: Forces forward, outward and up [N], shape (samples, 3).
+        That is minus J'F with the grip's Jacobian J and forces F forward, outward and up [N], shape
+        (samples, 3).
         """
         found = np.empty((len(angle), len(JOINTS)))
         withstanding(
@@ -155,15 +144,10 @@ class Arm:
 def hand_jacobian(
     links: AnyArray, grip: AnyArray, angle: AnyArray, sample: int, found: AnyArray
 ) -> None:
-    """Computes place and Jacobian of the grip in the frame of the torso.
+    """Computes place and Jacobian of the grip in the frame of the torso, at a sample of angles.
 
-    Args:
-        links: Links of one arm, shape (4, 19).
-        grip: Place of the grip in the frame of the hand [m], shape (3,).
-        angle: Joint angles [rad], shape (samples, 4).
-        sample: Number of the sample.
-        found: Axis and origin of each joint, then the grip in the first three places of the last
-            row, shape (5, 6).
+    `found`, shape (5, 6), gets axis and origin of each joint, then the grip [m] in the first three
+    places of the last row.
     """
     # Rows of the rotation from the frame of the link into that of the torso.
     xx, xy, xz = 1.0, 0.0, 0.0

@@ -199,8 +199,7 @@ def _there_and_back(
 ) -> tuple[list[tuple[float, Array]], list[float]]:
     """Returns stops that take a joint from the start of its range to an angle and back, and ends.
 
-    Args:
-        visits: Joint, angle [rad] and time of a ramp [s] of each.
+    A visit is a joint, an angle [rad], and the time of a ramp [s].
     """
     stops, ends, now = [], [], 0.0
     before = None

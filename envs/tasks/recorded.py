@@ -34,9 +34,6 @@ class RecordedMotion(Task):
 
     Attributes:
         path: Path of the file.
-
-    Raises:
-        InputError: The file cannot be read, has other columns, gaps, or angles in degrees.
     """
 
     path: str

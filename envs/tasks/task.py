@@ -29,8 +29,8 @@ class Limit:
     """A limit of success.
 
     Attributes:
-        name: Name of the cost of an episode that it limits, as in `envs.interface.reward.COSTS`; or "lost",
-            which is 1 if the arm is lost, at a pole of the suit's torque, or diverged.
+        name: Name of a cost in `envs.interface.reward.COSTS`; or "lost", which is 1 if the arm is
+            lost, at a pole of the suit's torque, or diverged.
         value: Greatest cost with which an episode succeeds.
         unit: Unit of both, "1" for a ratio.
     """
