@@ -1,4 +1,17 @@
-"""Episodes of a task in many rows, for single and vector environments."""
+"""Episodes of a task in many rows, for single and vector environments.
+
+    >>> from activesuit.envs.tasks import TASKS
+    >>> task = TASKS["ElbowFlexion"]
+    >>> episodes = Episodes(task, 2, Setup.of(task, {"gravity": "moon"}))
+    >>> episodes.reset(np.arange(2), seeds=[0, 1])
+    >>> episodes.step(np.zeros((2, 2)))
+    >>> episodes.observe().shape, episodes.truncated.tolist()
+    ((2, 12), [False, False])
+
+Environments are thin faces of this: `reset` of some rows, `step`, and the state of rows in mid
+task. A row is the same to the last bit whatever the other rows do. `observe`, `info` and `state`
+return new arrays; `reward`, `terminated` and `truncated` are views that the next call overwrites.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict

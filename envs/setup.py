@@ -1,4 +1,16 @@
-"""The setup of an environment: all its options but the number of rows, checked and complete."""
+"""The setup of an environment: all its options but the number of rows, checked and complete.
+
+    >>> from activesuit.envs.tasks import TASKS
+    >>> setup = Setup.of(TASKS["Scoop"], {"suit": "emu-like", "control": {"noise": 1.0}})
+    >>> setup.sensors, setup.control_dt, setup.control.noise
+    (('encoders',), 0.01, 1.0)
+    >>> setup.arm.suit, setup.arm.gravity, setup.fatigue
+    ('emu-like', 'moon', False)
+
+A setup is plain data that never changes, and that single and vector environments share: all checks
+of options are made here, and nothing below asks again. `DEFAULTS` are the options that are not
+given, and `Task` decides place and fatigue.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace

@@ -1,4 +1,14 @@
-"""Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium."""
+"""Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium.
+
+    >>> arms = ArmVectorEnv(3, "ElbowFlexion", autoreset_mode="SameStep", max_episode_steps=2)
+    >>> observations, info = arms.reset(seed=[5, 6, 7])
+    >>> ends = [arms.step(np.zeros((3, 2)))[3].tolist() for _ in range(2)]
+    >>> ends
+    [[False, False, False], [True, True, True]]
+
+Row i is `ArmEnv` with the seed of row i to the last bit, whatever the other rows do and however
+many threads work. Returned arrays are new: they never change afterwards.
+"""
 
 import os
 from collections.abc import Sequence
@@ -55,6 +65,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
             between rows.
+
+    Attributes:
+        task: Task.
+        control_dt: Time between actions [s].
+        duration: Duration of an episode [s].
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012
@@ -99,7 +114,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             effort_scale=effort_scale,
         )
         simulation = self.episodes.simulation
-        fps = round(1 / simulation.control_dt)
+        self.task, self.duration, self.control_dt = task, task.duration, simulation.control_dt
+        fps = round(1 / self.control_dt)
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
@@ -200,21 +216,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         """Frees the renderer."""
         del options
         self.renderer.close()
-
-    @property
-    def control_dt(self) -> float:
-        """The time between actions [s]."""
-        return self.episodes.simulation.control_dt
-
-    @property
-    def task(self) -> Task:
-        """The task."""
-        return self.episodes.task
-
-    @property
-    def duration(self) -> float:
-        """The duration of an episode [s]."""
-        return self.episodes.task.duration
 
     @property
     def has_cuffs(self) -> bool:

@@ -37,10 +37,20 @@ CHANGE_SCALE = 0.25
 LOST = 1.0  # [rad], tracking error of an assisted joint that ends an episode
 LEAST_EFFORT = 0.01  # share of strength, for arms that need none
 
-COSTS = (
-    *("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "effort"),
-    *("hand_error", "tilt", "slowness", "tracking", "worst_joint"),
-)
+COST_MEANINGS = {
+    "cuff_force": "greatest force of a cuff over what a person should bear [1]",
+    "heat": "greatest load of a motor over its continuous torque [1]",
+    "wrong_way_work": "work of the motors against the motion [J]",
+    "chatter": "sum of the squared changes of the action [1]",
+    "range_stops": "time in which a joint is at the end of its range [s]",
+    "effort": "root mean square of effort [1]",
+    "hand_error": "greatest distance of the hand from its place, where it is watched [m]",
+    "tilt": "greatest error of the hand's pitch there [rad]",
+    "slowness": "greatest share of its intended speed that the hand lacks there [1]",
+    "tracking": "root mean square of the tracking error over time and joints [rad]",
+    "worst_joint": "root mean square of the tracking error of the worst joint [rad]",
+}
+COSTS = tuple(COST_MEANINGS)
 CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, STRAIN, HAND, TILT, SLOWNESS, JOINT = range(10)
 WIDTH = JOINT + len(JOINTS)  # columns of costs; the last are sums of squared errors by joint
 TERM, COST = 0, len(TERMS)  # columns at which terms and costs begin
@@ -230,12 +240,7 @@ def judge(rows: Whole, moved: bool, arms: Judged) -> None:
 
 @njit(inline="always")
 def account(row: int, dt: float, change: Array, measured: Array, score: Score) -> None:
-    """Adds the last control period of a row to the costs of its episode.
-
-    Columns as `COSTS`: greatest cuff force over what a person should bear; greatest motor load;
-    work of the motors against the motion [J]; sum of the squared changes of the command; time at
-    the ends of ranges [s].
-    """
+    """Adds the last control period of a row to the costs of its episode; see `COST_MEANINGS`."""
     sums, ranges = score.sums, score.ranges
     for j in range(change.shape[1]):
         sums[row, COST + HEAT] = max(sums[row, COST + HEAT], measured[row, LOAD + j])
@@ -257,14 +262,10 @@ def account(row: int, dt: float, change: Array, measured: Array, score: Score) -
 
 
 def cost_terms(costs: Array, periods: Any) -> dict[str, Any]:
-    """Returns the costs of one or more episodes by name.
+    """Returns the costs of one or more episodes by name; see `COST_MEANINGS`.
 
-    `effort` is the root mean square of torque over strength, `tracking` that of the error over all
-    joints [rad], and `worst_joint` that of the joint with the largest one [rad].
-
-    Args:
-        costs: Costs of an episode, shape (13,), or of several, shape (n, 13).
-        periods: Number of control periods since the reset, or shape (n,).
+    Costs have the shape (13,) for one episode and (n, 13) for several, and so has the number of
+    control periods since the reset, () or (n,).
     """
     squares = costs[..., [STRAIN, *range(JOINT, WIDTH)]] / np.maximum(1, periods)[..., None]
     effort, joints = np.sqrt(squares[..., 0]), np.sqrt(squares[..., 1:])
@@ -276,11 +277,7 @@ def cost_terms(costs: Array, periods: Any) -> dict[str, Any]:
 
 @njit(cache=True)
 def judge_hand(rows: Whole, arms: Judged) -> None:
-    """Updates the greatest errors of the hands of some rows at the samples that are watched.
-
-    Columns as `COSTS`: distance of the hand from its place [m], error of its pitch [rad], and the
-    share of its intended speed that it lacks. `last_hand` is overwritten.
-    """
+    """Updates the greatest errors of the hands of some rows at the samples that are watched."""
     sensordata, episode, measured, watch = arms.sensordata, arms.episode, arms.measured, arms.watch
     sums, places, last = arms.score.sums, watch.hand_places, watch.last_hand
     for k in range(rows.shape[0]):
@@ -314,4 +311,5 @@ def failed(costs: Array, periods: int, task: Task, *, ended: bool) -> tuple[Limi
 def is_success(costs: Array, periods: Any, task: Task, *, ended: Any) -> Any:
     """Returns whether episodes are a success so far: they meet every limit; see `failed`."""
     terms = {**cost_terms(costs, periods), "lost": ended}
-    return np.all([terms[limit.name] <= limit.value for limit in task.limits], axis=0)
+    found = np.all([terms[limit.name] <= limit.value for limit in task.limits], axis=0)
+    return found if costs.ndim > 1 else bool(found)

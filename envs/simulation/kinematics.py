@@ -149,47 +149,22 @@ def hand_jacobian(
     `found`, shape (5, 6), gets axis and origin of each joint, then the grip [m] in the first three
     places of the last row.
     """
-    # Rows of the rotation from the frame of the link into that of the torso.
-    xx, xy, xz = 1.0, 0.0, 0.0
-    yx, yy, yz = 0.0, 1.0, 0.0
-    zx, zy, zz = 0.0, 0.0, 1.0
-    ox, oy, oz = 0.0, 0.0, 0.0
-    for i in range(4):
-        px, py, pz = links[i, POSITION], links[i, POSITION + 1], links[i, POSITION + 2]
-        ux, uy, uz = links[i, AXIS], links[i, AXIS + 1], links[i, AXIS + 2]
-        ox, oy, oz = (
-            ox + xx * px + xy * py + xz * pz,
-            oy + yx * px + yy * py + yz * pz,
-            oz + zx * px + zy * py + zz * pz,
-        )
-        found[i, 0] = xx * ux + xy * uy + xz * uz
-        found[i, 1] = yx * ux + yy * uy + yz * uz
-        found[i, 2] = zx * ux + zy * uy + zz * uz
-        found[i, 3], found[i, 4], found[i, 5] = ox, oy, oz
-        s, c = math.sin(angle[sample, i]), math.cos(angle[sample, i])
-        d = 1.0 - c
-        # Rodrigues' rotation about u.
-        axx, axy, axz = c + d * ux * ux, d * ux * uy - s * uz, d * ux * uz + s * uy
-        ayx, ayy, ayz = d * uy * ux + s * uz, c + d * uy * uy, d * uy * uz - s * ux
-        azx, azy, azz = d * uz * ux - s * uy, d * uz * uy + s * ux, c + d * uz * uz
-        xx, xy, xz = (
-            xx * axx + xy * ayx + xz * azx,
-            xx * axy + xy * ayy + xz * azy,
-            xx * axz + xy * ayz + xz * azz,
-        )
-        yx, yy, yz = (
-            yx * axx + yy * ayx + yz * azx,
-            yx * axy + yy * ayy + yz * azy,
-            yx * axz + yy * ayz + yz * azz,
-        )
-        zx, zy, zz = (
-            zx * axx + zy * ayx + zz * azx,
-            zx * axy + zy * ayy + zz * azy,
-            zx * axz + zy * ayz + zz * azz,
-        )
-    found[4, 0] = ox + xx * grip[0] + xy * grip[1] + xz * grip[2]
-    found[4, 1] = oy + yx * grip[0] + yy * grip[1] + yz * grip[2]
-    found[4, 2] = oz + zx * grip[0] + zy * grip[1] + zz * grip[2]
+    for k in range(3):
+        # Row k of the rotation from the frame of the link into that of the torso, and its origin.
+        x, y, z, origin = float(k == 0), float(k == 1), float(k == 2), 0.0
+        for i in range(4):
+            px, py, pz = links[i, POSITION], links[i, POSITION + 1], links[i, POSITION + 2]
+            ux, uy, uz = links[i, AXIS], links[i, AXIS + 1], links[i, AXIS + 2]
+            origin = origin + x * px + y * py + z * pz
+            found[i, k], found[i, 3 + k] = x * ux + y * uy + z * uz, origin
+            s, c = math.sin(angle[sample, i]), math.cos(angle[sample, i])
+            d = 1.0 - c
+            x, y, z = (  # Rodrigues' rotation about u
+                x * (c + d * ux * ux) + y * (d * uy * ux + s * uz) + z * (d * uz * ux - s * uy),
+                x * (d * ux * uy - s * uz) + y * (c + d * uy * uy) + z * (d * uz * uy + s * ux),
+                x * (d * ux * uz + s * uy) + y * (d * uy * uz - s * ux) + z * (c + d * uz * uz),
+            )
+        found[4, k] = origin + x * grip[0] + y * grip[1] + z * grip[2]
 
 
 @njit(cache=True)

@@ -1,4 +1,17 @@
-"""Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo."""
+"""Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo.
+
+    >>> from activesuit.envs.person import VoluntaryControl
+    >>> options = SimulationOptions(samples=101, control_dt=0.01, control=VoluntaryControl())
+    >>> arms = Simulation(ArmConfig(suit="none"), 2, options)
+    >>> arms.state.intention.motion.angle.shape, arms.measured("angle").shape
+    ((2, 101, 4), (2, 4))
+
+`begin` puts some rows at rest at the start of their intention, and `step` moves rows by one control
+period. Row i is the same to the last bit whatever the other rows do, for any number of rows and
+threads: kernels get the index of a row, and draw no random numbers. `state`, `plugin_state`,
+`sensordata` and `measured` are views of the arrays in which the kernels write: copy what shall last
+beyond the next call.
+"""
 
 import os
 from collections.abc import Callable, Mapping

@@ -228,7 +228,17 @@ def check_state(
     diverged = state["diverged"]
     if isinstance(diverged, np.ndarray) and diverged.dtype == np.bool_ and diverged.any():
         raise InputError("the state is of an episode that has diverged: go on from an earlier one")
-    for name, value, wanted, usable in _parts(state, present, bounds, model):
+    for name, own in present.items():
+        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
+        wanted, usable = f"{own.dtype} numbers of shape {own.shape}", isinstance(value, np.ndarray)
+        usable = usable and value.dtype == own.dtype and value.shape == own.shape
+        if name != "physics":
+            wanted += f" from {low:g} to {high:g}"
+            usable = usable and bool(((low <= value) & (value <= high)).all())  # NaN is outside
+        elif usable and np.isfinite(value).all():
+            wanted, usable = f"a motion below {mujoco.mjMAXVAL:g}", _is_slow(value, model)
+        else:
+            usable = False
         if not usable:
             raise InputError(
                 f"the state's {name} is {shown(value)}: it must be {wanted}, as get_state "
@@ -267,27 +277,6 @@ def _same(one: Any, other: Any) -> bool:
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return type(one) is type(other) and np.array_equal(one, other)
     return bool(one == other)
-
-
-def _parts(
-    state: dict[str, Any],
-    present: dict[str, NDArray],
-    bounds: dict[str, tuple[float, float]],
-    model: mujoco.MjModel,
-) -> Iterator[tuple[str, Any, str, bool]]:
-    """Yields name, value, the required form, and whether the value has it; callers rely on it."""
-    for name, own in present.items():
-        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
-        form = f"{own.dtype} numbers of shape {own.shape}"
-        fits = (
-            isinstance(value, np.ndarray) and value.dtype == own.dtype and value.shape == own.shape
-        )
-        if name == "physics":
-            yield name, value, form, fits and bool(np.isfinite(value).all())
-            yield name, value, f"a motion below {mujoco.mjMAXVAL:g}", _is_slow(value, model)
-        else:
-            inside = fits and bool(((low <= value) & (value <= high)).all())  # NaN is outside
-            yield name, value, f"{form} from {low:g} to {high:g}", inside
 
 
 def _is_slow(physics: NDArray, model: mujoco.MjModel) -> bool:
