@@ -3,6 +3,8 @@
 from pathlib import Path
 from textwrap import indent, wrap
 
+from gymnasium.spaces import Box
+
 from ..envs import ArmEnv, arm_env
 from ..envs.interface.observation import BELIEF, SUITES
 from ..envs.interface.reward import CHANGE_SCALE, COST_MEANINGS, ERROR_SCALE, TERMS
@@ -19,6 +21,7 @@ def tables() -> str:
     """Returns tables of action, observation, reward and costs, as they stand in the docstring."""
     env = ArmEnv()
     space, motors = env.action_space, env.config.exo.motors
+    assert isinstance(space, Box)
     actions = [
         [str(i), joint, f"{space.low[i]:g}", f"{space.high[i]:g}", f"{motors[joint].peak_torque:g}"]
         for i, joint in enumerate(ASSISTED)

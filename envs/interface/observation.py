@@ -100,7 +100,7 @@ NOISY = ("cuffs", "interaction", "emg")  # suites whose sensors have random nois
 class Picked(NamedTuple):
     """Columns that an observation shows, what multiplies each, and its limit, shape (size,)."""
 
-    index: NDArray[np.int64]
+    columns: NDArray[np.int64]
     factor: Array
     limit: NDArray[np.float32]
 
@@ -161,7 +161,7 @@ class Observer:
 
 @njit(cache=True)
 def _pick(measured, belief, observation, picked) -> None:
-    index, factor, limit = picked.index, picked.factor, picked.limit
+    index, factor, limit = picked.columns, picked.factor, picked.limit
     for row in range(measured.shape[0]):
         for j in range(index.shape[0]):
             i = index[j]

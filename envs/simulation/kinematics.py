@@ -151,7 +151,8 @@ def hand_jacobian(
     """
     for k in range(3):
         # Row k of the rotation from the frame of the link into that of the torso, and its origin.
-        x, y, z, origin = float(k == 0), float(k == 1), float(k == 2), 0.0
+        x, y = 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0
+        z, origin = 1.0 if k == 2 else 0.0, 0.0
         for i in range(4):
             px, py, pz = links[i, POSITION], links[i, POSITION + 1], links[i, POSITION + 2]
             ux, uy, uz = links[i, AXIS], links[i, AXIS + 1], links[i, AXIS + 2]
