@@ -93,9 +93,7 @@ class Physics(NamedTuple):
     @classmethod
     def of(cls, batch: Batch) -> "Physics":
         """Returns the views of a batch whose rows have impedances of their own."""
-        views = {
-            name: batch.bind(name) for name in cls._fields if name not in ("biasprm", "warning")
-        }
+        views = {name: batch.bind(name) for name in cls._fields[:-2]}
         biasprm = batch.expand("actuator_biasprm")
         return cls(**views, biasprm=biasprm, warning=batch.warning[:, DIVERGENCE, 1])
 
@@ -190,9 +188,7 @@ class MuscleNoise(NamedTuple):
     """Noise and tremor of the muscles."""
 
     muscle_noise: Annotated[Array, Saved("n 3 4")]  # noise, tremor, its quadrature, variance 1
-    muscle_draws: Annotated[
-        Array, Saved("n muscle_draws 3 4")
-    ]  # random numbers; none without noise
+    muscle_draws: Annotated[Array, Saved("n muscle_draws 3 4")]  # random numbers, if there is noise
     recursion: Array  # coefficients of `noise_constants`, (6,)
     noise: float  # share of the torque
     tremor: float
