@@ -16,7 +16,8 @@ def drive(row: int, arms: Arms) -> None:
     """Sets motor torques from normalized commands, clipped by the thermal limit.
 
     In the first control period motors have their torque at once, and the wearer, who has held the
-    arm alone, gives up as much: an episode begins without a jerk.
+    arm alone, gives up as much. A rigid exoskeleton so begins without a jerk; on cuffs, which bear
+    nothing yet, the arm yields by some 0.01 rad.
     """
     physics, at, motors, feedback = arms.physics, arms.at, arms.motors, arms.wearer.feedback
     step, dt, ratings = arms.episode.step[row], arms.episode.dt, motors.ratings

@@ -85,15 +85,15 @@ class Physics(NamedTuple):
     qfrc_passive: Array
     qfrc_bias: Array
     ctrl: Array
-    biasprm: Array
     sensordata: Array
     actuator_force: Array
+    biasprm: Array
     warning: Array
 
     @classmethod
     def of(cls, batch: Batch) -> "Physics":
         """Returns the views of a batch whose rows have impedances of their own."""
-        views = {name: batch.bind(name) for name in cls._fields[:-2]}
+        views = {name: batch.bind(name) for name in cls._fields[:-2]}  # the others are no fields
         biasprm = batch.expand("actuator_biasprm")
         return cls(**views, biasprm=biasprm, warning=batch.warning[:, DIVERGENCE, 1])
 
