@@ -24,7 +24,7 @@ def inner(function: Any = None, **options: Any) -> Any:
 
 
 @cache
-def elementwise(kernel: Any) -> Any:
+def ufunc_of(kernel: Any) -> Any:
     """Returns NumPy's function that calls a kernel of floats for every element of its arguments.
 
     The function is compiled at its first use, since an import would wait 40 ms for each. NumPy's

@@ -13,8 +13,8 @@ from ..arrays import Array
 from ..assets import JOINTS, load_suit, save_suit
 from ..envs.model import ArmConfig, arm_spec, bare_arm, compose
 from ..envs.model.config import COUPLINGS
+from ..envs.simulation.episode_plan import Motion
 from ..envs.simulation.inverse_dynamics import Chain, arm_torques
-from ..envs.simulation.plan import Motion
 from ..envs.simulation.structs import Addresses
 from ..envs.tasks import ARM_TRACKING
 from .timing import Row, compare

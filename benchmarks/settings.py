@@ -3,8 +3,8 @@
 from itertools import product
 from typing import Any
 
+from ..envs.domain.levels import NOMINAL
 from ..envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, evaluate
-from ..envs.levels import NOMINAL
 from ..scripts.output import progress
 from ..tables import Rows
 

@@ -1,4 +1,17 @@
-"""The Gymnasium environment: the wearer moves a suited arm, and the agent drives the motors."""
+"""The Gymnasium environment: the wearer moves a suited arm, and the agent drives the motors.
+
+    >>> env = ArmEnv("ElbowFlexion", sensors=["encoders", "cuffs"], coupling="cuffs")
+    >>> observation, info = env.reset(seed=0)
+    >>> observation[env.layout["cuff_force"]].shape
+    (9,)
+    >>> observation, reward, terminated, truncated, info = env.step([0.1, -0.2])
+    >>> info["time"], 0 < reward < 1
+    (0.01, True)
+
+An environment is row 0 of `Episodes` with one row: the same seed and actions give the same numbers
+to the last bit as in any row of `ArmVectorEnv`. Observations are new arrays; `env.data` is the
+physics of this instant, which the next access overwrites.
+"""
 
 from typing import Any
 
@@ -9,11 +22,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, shown
 from .episodes import Episodes, checked_seed
-from .info import Info
-from .model import ArmConfig
+from .interface.info import Info
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup
-from .simulation import Simulation
 from .tasks import ARM_TRACKING, Task, task_of
 from .vector_env import ArmVectorEnv
 
@@ -28,47 +39,87 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     `envs.person.control`). The suit resists every joint inside the physics. The agent sets the
     assist torque of shoulder and elbow.
 
-    Action: `Box(-1, 1, (2,), float32)`, assist torque of shoulder and elbow flexion over the
-    motors' peak. Values outside are clipped and counted in `info["clipped_actions"]`. A motor that
-    has reached its highest temperature gives no more than its continuous torque. Without an
-    exoskeleton (`coupling="none"`) there are no motors, and the shape is (0,).
+    Action, `Box(-1, 1, (2,), float32)`:
 
-    Observation: `Box` of float32, the parts of `layout` one after the other, as the sensor suites
-    have them:
+    | index | motor | low | high | torque at 1 [N·m] |
+    |---|---|---|---|---|
+    | 0 | shoulder_flexion | -1 | 1 | 40 |
+    | 1 | elbow_flexion | -1 | 1 | 25 |
 
-    - encoders: angles [rad] of the exoskeleton's four encoders, rates [rad/s] from their counts
-      (differences, low-pass of 20 Hz), motor torque over peak, previous action;
-    - cuffs: forces on upper arm, forearm and hand [N], noisy;
-    - interaction: torque between person and suit at the four joints [N·m], as pads would measure
-      it, noisy and 0.05 s old: the wearer's torque without what the bare arm needs;
-    - emg: the wearer's voluntary torque at the four joints [N·m], 0.05 s ahead, noisy, through a
-      low-pass of 6 Hz;
-    - preview: the part "target", angles that the wearer intends at shoulder and elbow in 0.02, 0.1
-      and 0.24 s [rad];
-    - belief: torques of a believed model at shoulder and elbow [N·m]: the suit's resistance, then
-      the torque that supports arm, suit, exoskeleton and load, both at the encoder's angle plus
-      0.02 s of its rate, where the joint will be when the motors have answered;
-    - privileged: the suit's torque on the four joints [N·m], which no real device can measure.
+    Observation, `Box` of float32, the parts of the chosen suites one after the other:
 
-    Angles, cuff forces and suit torques are those of this instant; the torques of motors and wearer
-    are the ones applied in the last physics step.
+    | suite | part | numbers | limit | 1 if normalized | unit |
+    |---|---|---|---|---|---|
+    | encoders | angle | 4 | 3.142 | 3.142 | rad |
+    | encoders | rate | 4 | 20 | 4 | rad/s |
+    | encoders | motor_torque | 2 | 1 | 1 | 1 |
+    | encoders | previous_action | 2 | 1 | 1 | 1 |
+    | cuffs | cuff_force | 9 | 1000 | 100 | N |
+    | interaction | interaction_torque | 4 | 200 | 20 | N·m |
+    | emg | emg | 4 | 200 | 20 | N·m |
+    | preview | target | 6 | 3.142 | 3.142 | rad |
+    | belief | belief | 4 | 200 | 20 | N·m |
+    | privileged | suit_torque | 4 | 100 | 20 | N·m |
+
+    - angle: angles of the exoskeleton's four encoders.
+    - rate: their rates.
+    - motor_torque: torque of both motors over the peak.
+    - previous_action: the last action.
+    - cuff_force: forces at the cuffs on upper arm, forearm and hand, noise of 1 N.
+    - interaction_torque: torque between person and suit at the four joints, as pads would measure
+      it: 10 % noise, 0.05 s old.
+    - emg: the wearer's voluntary torque at the four joints, 0.05 s ahead of its effect, 20 % noise,
+      low-pass of 6 Hz.
+    - target: angles that the wearer intends at shoulder and elbow in 0.02, 0.1 and 0.24 s.
+    - belief: torques of a believed model at shoulder and elbow: the resistance of the suit, then
+      the torque that supports arm, suit, exoskeleton and load.
+    - suit_torque: true torque of the suit on the four joints, which no device can measure.
+
+    Reward, 1 / (1 + the sum of three terms), in [0, 1]; 0 where the arm is lost:
+
+    | term | square of | over |
+    |---|---|---|
+    | effort | torque over strength, root mean square of four joints | effort of the suited arm |
+    | tracking | tracking error, root mean square of four joints | 0.1 rad |
+    | smoothness | change of the action, root mean square of the motors | 0.25 of the peak |
+
+    Costs of an episode, `info["cost_terms"]`:
+
+    - cuff_force: greatest force of a cuff over what a person should bear [1].
+    - heat: greatest load of a motor over its continuous torque [1].
+    - wrong_way_work: work of the motors against the motion [J].
+    - chatter: sum of the squared changes of the action [1].
+    - range_stops: time in which a joint is at the end of its range [s].
+    - effort: root mean square of effort [1].
+    - hand_error: greatest distance of the hand from its place, where it is watched [m].
+    - tilt: greatest error of the hand's pitch there [rad].
+    - slowness: greatest share of its intended speed that the hand lacks there [1].
+    - tracking: root mean square of the tracking error over time and joints [rad].
+    - worst_joint: root mean square of the tracking error of the worst joint [rad].
+
+    Version history: v0, since version 0.1 of the package; since 0.3 `reset` returns the state from
+    which the first step starts.
+
+    Values of an action outside its range are clipped and counted in `info["clipped_actions"]`. A
+    motor that has reached its highest temperature gives no more than its continuous torque. Without
+    an exoskeleton (`coupling="none"`) there are no motors, and the shape is (0,).
+
+    Parts of the observation are at `layout`. Rates are differences of the encoders' counts through
+    a low-pass of 20 Hz. A belief is a torque at the encoder's angle plus 0.02 s of its rate, where
+    the joint will be when the motors have answered. Angles, cuff forces and suit torques are those
+    of this instant; the torques of motors and wearer are those of the last physics step.
 
     `info` contains what no sensor measures: angle, rate and target_angle of the arm, human_torque,
-    suit_torque and assist_torque, energies; with an exoskeleton motor_load, the running root mean
-    square of the motors' torque over the continuous one; with cuffs cuff_force [N], with `fatigue`
-    the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint. It is
-    computed when it is read. "effort" is the wearer's torque over the strength of a still joint,
-    "cost_terms" are the costs of the episode so far, "is_success" whether it is a success so far.
+    suit_torque and assist_torque, energies, effort (torque over the strength of a still joint);
+    with an exoskeleton motor_load, the running root mean square of the motors' torque over the
+    continuous one; with cuffs cuff_force [N]; with `fatigue` the fatigued part of every muscle
+    group, (2, 4): extensors and flexors. It is computed when it is read. "is_success" says whether
+    the episode is a success so far.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
-    more than 1 rad from the intention, or at a pole of the suit's torque, or diverged.
-
-    Reward: 1 / (1 + the sum of `info["reward_terms"]`), in [0, 1], where the terms are the squares
-    of effort over that of the suited arm without an exoskeleton, of the tracking error over 0.1 rad
-    and of the action's change over 0.25. The period in which the arm is lost earns 0.
-
-    Where MuJoCo reports that the physics diverged, `info["diverged"]` is true, and that step shows
-    the last valid observation and measurements. All numbers stay finite.
+    more than 1 rad from the intention, or at a pole of the suit's torque, or diverged. Where MuJoCo
+    reports that the physics diverged, `info["diverged"]` is true, and that step shows the last
+    valid observation and measurements. All numbers stay finite.
 
     Args:
         task: Task, or the name of a shipped one.
@@ -87,6 +138,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     Attributes:
         episodes: Episodes of the task, with the simulated arm and its sensors.
+        config: Configuration of the arm.
+        control_dt: Time between actions [s].
+        duration: Duration of an episode [s].
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}  # noqa: RUF012
@@ -107,6 +161,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
         task, self._options = task_of(task), options
         self.episodes = Episodes(task, 1, Setup.of(task, options))
+        simulation, self.duration = self.episodes.simulation, task.duration
+        self.config, self.control_dt = simulation.config, simulation.control_dt
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / self.control_dt)}
         self.render_mode = render_mode
@@ -147,11 +203,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     def step(
         self, action: NDArray[np.floating[Any]]
     ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """Applies `action` for one control period.
-
-        Raises:
-            InputError: The action has the wrong shape or is not finite, or there was no reset.
-        """
+        """Applies `action` for one control period."""
         self.episodes.require_reset("step")
         episodes = self.episodes
         episodes.step_one(action)
@@ -167,7 +219,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             raise InputError(
                 "render_mode is None: make the environment with render_mode='rgb_array'"
             )
-        posture = self._simulation.posture_of(0)
+        posture = self.episodes.simulation.posture_of(0)
         if self.render_mode == "human":
             return self.renderer.show(posture, self.control_dt)
         return self.renderer.picture(posture)
@@ -201,10 +253,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
         Returns:
             The observation and info of that moment.
-
-        Raises:
-            InputError: The state belongs to another suit, gravity or step, or to an episode that
-                has diverged, or does not come from `get_state`; nothing has changed.
         """
         self.episodes.restore(ROW, state)
         self.renderer.forget()
@@ -213,33 +261,14 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     # --- Parts --------------------------------------------------------------------------------
 
     @property
-    def _simulation(self) -> Simulation:
-        return self.episodes.simulation
-
-    @property
-    def config(self) -> ArmConfig:
-        """The configuration of the arm."""
-        return self._simulation.config
-
-    @property
-    def control_dt(self) -> float:
-        """The time between actions [s]."""
-        return self._simulation.control_dt
-
-    @property
-    def duration(self) -> float:
-        """The duration of an episode [s]."""
-        return self.episodes.task.duration
-
-    @property
     def model(self) -> mujoco.MjModel:
         """The simulated model, which has no drawings; for reading."""
-        return self._simulation.model
+        return self.episodes.simulation.model
 
     @property
     def data(self) -> mujoco.MjData:
         """The physics of this instant, for reading: what is written here changes nothing."""
-        self._data = self._simulation.data(0, self._data)
+        self._data = self.episodes.simulation.data(0, self._data)
         return self._data
 
     def __getstate__(self) -> dict[str, Any]:

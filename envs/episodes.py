@@ -1,4 +1,17 @@
-"""Episodes of a task in many rows, for single and vector environments."""
+"""Episodes of a task in many rows, for single and vector environments.
+
+    >>> from activesuit.envs.tasks import TASKS
+    >>> task = TASKS["ElbowFlexion"]
+    >>> episodes = Episodes(task, 2, Setup.of(task, {"gravity": "moon"}))
+    >>> episodes.reset(np.arange(2), seeds=[0, 1])
+    >>> episodes.step(np.zeros((2, 2)))
+    >>> episodes.observe().shape, episodes.truncated.tolist()
+    ((2, 12), [False, False])
+
+Environments are thin faces of this: `reset` of some rows, `step`, and the state of rows in mid
+task. A row is the same to the last bit whatever the other rows do. `observe`, `info` and `state`
+return new arrays; `reward`, `terminated` and `truncated` are views that the next call overwrites.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -13,39 +26,29 @@ from ..arrays import Array
 from ..assets import JOINTS
 from ..checks import HIGHEST_SEED, flag, within
 from ..errors import InputError, shown
-from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
-from .info import Info
-from .model import ArmConfig, compose, resisting_joints
-from .observation import NOISY, Observer
-from .person import isometric_strength
-from .reward import (
+from .belief import LEAD, BelievedArm
+from .interface.info import Info
+from .interface.observation import NOISY, Observer
+from .interface.reward import (
     CLIPPED,
     COST,
     DIVERGED,
     ENDED,
     PERIODS,
-    SUMS,
     TERM,
     TERMS,
-    Score,
-    Watch,
+    Judge,
     cost_terms,
     is_success,
-    judge,
-    judge_hand,
     suited_effort,
 )
 from .setup import Setup
 from .simulation import Simulation
-from .simulation.bound_kernels import bound
-from .simulation.inverse_dynamics import Chain
-from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, TIME, snapshot
-from .simulation.plan import Plan
+from .simulation.episode_plan import Plan
+from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, SHAPES, TIME
 from .simulation.row_models import Variety
 from .simulation.simulation import Start
-from .simulation.state import check_state, fresh_seed, stream
-from .simulation.structs import saved
-from .simulation.wearer_control import USUAL
+from .simulation.state import SimulationOptions, check_state, fresh_seed, stream
 from .tasks import Task
 
 Rows = NDArray[np.int64]
@@ -97,16 +100,13 @@ class Episodes:
         self.task, self.n = task, n
         samples = round(task.duration / setup.control_dt) + 1
         self._periods = min(samples - 1, max_periods or samples)
-        self.simulation = Simulation(
-            setup.arm,
-            n,
+        options = SimulationOptions(
             samples=samples,
             control_dt=setup.control_dt,
             control=setup.control,
             fatigue=setup.fatigue,
             sensing=setup.sensing,
             faults=setup.faults,
-            noisy=any(suite in setup.sensors for suite in NOISY),
             variety=Variety(
                 wearers=setup.randomize.wearers,
                 suits=self._suits,
@@ -114,22 +114,36 @@ class Episodes:
                 loads=task.carries or setup.randomize.payload is not None,
                 places=bool(setup.randomize.gravity),
             ),
-            edits=task.edits,
+            noisy=any(suite in setup.sensors for suite in NOISY),
             carries=task.carries,
             learned=learned_torque,
-            threads=threads,
         )
+        self.simulation = Simulation(setup.arm, n, options, task.edits, threads)
         columns, history = self.simulation.columns, setup.history
         self.observer = Observer(setup.sensors, columns, normalize=setup.normalize, history=history)
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self._frames = np.zeros((n, history - 1, size), np.float32)
         self._belief, self._belief_state = np.zeros((n, 4)), np.zeros((n, 0))
         if setup.belief is not None:
-            self._believe(setup.belief)
+            believed = BelievedArm(setup.belief, task.edits, setup.control_dt)
+            self._suit, self._weight = believed.suit(), believed.whole_weight()
+            self._assisted = self.simulation.addresses.assisted
+            self._belief_state = np.zeros((n, self._suit.size))
         self.motors = self.simulation.addresses.motors.size
         self._all = np.arange(n)
-        self.effort_scale = self._suited_effort() if effort_scale is None else effort_scale
-        self._begin_judging()
+        if effort_scale is None:
+            streams = (stream(i, 0, "motion") for i in range(SCALED_BY))
+            plans = [self.simulation.checked(self._plan(one)) for one in streams]
+            effort_scale = suited_effort(self.simulation, plans)
+        self.effort_scale = effort_scale
+        self._judge = Judge(self.simulation, task, effort_scale)
+        self._score, self._watch = self._judge.score, self._judge.watch
+        self.reward, self.terminated = self._score.reward, self._score.terminated
+        self.truncated = self._score.truncated
+        state = self.simulation.state
+        self._counters, self._measured = state.episode, state.sensors.measured
+        own = {"belief": self._belief, "belief_state": self._belief_state, "frames": self._frames}
+        self._own: dict[str, NDArray] = {**self._judge.arrays(), **own}
 
     # --- Episodes -----------------------------------------------------------------------------
 
@@ -171,16 +185,13 @@ class Episodes:
         except BaseException:
             episode.episode[rows] = -1  # no episode: `step` asks for a reset
             raise
-        if self.task.watches:
-            hand = self._watch.hand
-            self._watch.last_hand[rows] = self.simulation.sensordata[rows[:, None], hand]
         if self._belief_state.size:
             angle = self._encoded(rows)[0][:, self._assisted]
             self._belief_state[rows] = self._suit.begin(angle)
             self._update_belief(rows)
         if self._frames.size:
             self._frames[rows] = self._observed()[rows, None]
-        self._judge(rows, False)
+        self._judge.begin(rows)
 
     def require_reset(self, what: str) -> None:
         """Refuses what needs an episode in every row, before the first reset."""
@@ -209,8 +220,26 @@ class Episodes:
 
     def info(self, row: int) -> Info:
         """Returns what no sensor measures of a row at this instant; it is computed when read."""
-        measured, sums = self._measured[row].copy(), self._score.sums[row].copy()
-        return Info(measured.item(TIME), partial(self._read, measured, sums))
+        here = slice(row, row + 1)
+        measured, sums = self._measured[here].copy(), self._score.sums[here].copy()
+        return Info(measured.item(TIME), lambda: of_row(self._report(measured, sums)))
+
+    def report(self) -> dict[str, Any]:
+        """Returns what no sensor measures, as new arrays with one row for each arm, by name."""
+        return self._report(self._measured.copy(), self._score.sums.copy())
+
+    def _report(self, measured: Array, sums: Array) -> dict[str, Any]:
+        columns = self.simulation.columns.items()
+        found = {name: measured[:, part] for name, part in columns if name not in SENSED}
+        costs, periods, ended = sums[:, COST:PERIODS], sums[:, PERIODS], sums[:, ENDED]
+        return {
+            **{name: one[:, 0] if one.shape[1] == 1 else one for name, one in found.items()},
+            "clipped_actions": sums[:, CLIPPED].astype(np.int64),
+            "diverged": sums[:, DIVERGED] > 0,
+            "reward_terms": {name: sums[:, TERM + i] for i, name in enumerate(TERMS)},
+            "cost_terms": cost_terms(costs, periods),
+            "is_success": is_success(costs, periods, self.task, ended=ended),
+        }
 
     @property
     def terms(self) -> Array:
@@ -247,12 +276,12 @@ class Episodes:
 
     def restore(self, rows: Rows, state: Any) -> None:
         """Restores what `state` returned, also in other rows; they then continue bit for bit."""
-        present, wearers = self._arrays(rows), max(1, len(self.setup.randomize.wearers))
-        check_state(state, self.identity(), present, self.simulation.model, wearers)
+        bounds = self.simulation.bounds
+        check_state(state, self.identity(), self._arrays(rows), bounds, self.simulation.model)
         self._restore(rows, state)
         limit = self._counters.limit
         limit[rows] = np.minimum(limit[rows], self._periods)
-        self._judge(rows, False)
+        self._judge.restore(rows)
 
     def __getstate__(self) -> dict[str, Any]:
         made_with = {"task": self.task, "n": self.n, "setup": self.setup, **self._of_rows}
@@ -261,7 +290,7 @@ class Episodes:
     def __setstate__(self, saved: dict[str, Any]) -> None:
         self.__init__(**saved["made_with"])
         self._restore(self._all, saved["state"])
-        self._judge(self._all, False)
+        self._judge.restore(self._all)
 
     def _arrays(self, rows: Rows) -> dict[str, NDArray]:
         own = {name: values[rows] for name, values in self._own.items()}
@@ -271,17 +300,6 @@ class Episodes:
         self.simulation.set_state(rows, state)
         for name, values in self._own.items():
             values[rows] = state[name]
-
-    def _read(self, measured: Array, sums: Array) -> dict[str, Any]:
-        costs, periods, ended = sums[COST:PERIODS], int(sums[PERIODS]), bool(sums[ENDED])
-        return {
-            **snapshot(measured, self.simulation.columns),
-            "clipped_actions": int(sums[CLIPPED]),
-            "diverged": bool(sums[DIVERGED]),
-            "reward_terms": dict(zip(TERMS, sums[TERM:COST].tolist(), strict=True)),
-            "cost_terms": cost_terms(costs, periods),
-            "is_success": is_success(costs, periods, self.task, ended=ended),
-        }
 
     # --- Parts --------------------------------------------------------------------------------
 
@@ -298,9 +316,7 @@ class Episodes:
         self.simulation.step(action, rows)
         if self._belief_state.size:
             self._update_belief(moving[~self._counters.diverged[moving]])
-        self._judge(moving, True)
-        if self._judge_hand:
-            self._judge_hand(moving)
+        self._judge.judge(moving)
         if self.setup.reward is not None:
             self.reward[moving] = self.setup.reward(*self._rewarded(moving))
 
@@ -347,59 +363,6 @@ class Episodes:
         arm = simulation.arm_of(wearer)
         return self.task.plan(rng, simulation.samples, simulation.control_dt, arm)
 
-    def _suited_effort(self) -> float:
-        """Returns the effort of the suited arm in motions of the task, for the reward."""
-        simulation = self.simulation
-        chain = Chain.of(simulation.model, dressed=True)
-        strength = isometric_strength(simulation.config.wearer)
-        plans = [simulation.checked(self._plan(stream(i, 0, "motion"))) for i in range(SCALED_BY)]
-        arm = simulation.arm_of(0)
-        usual = simulation.control.impedance(simulation.config.wearer)[USUAL]
-        dt = simulation.control_dt
-        return suited_effort(chain, arm, strength, simulation.suit, plans, dt, usual)
-
-    def _believe(self, config: ArmConfig) -> None:
-        """Prepares the believed arm of the suite "belief"."""
-        simulation = self.simulation
-        count = count_of(config.exo.encoder_bits)
-        self._suit = BelievedSuit(resisting_joints(config), count, simulation.control_dt)
-        self._weight = BelievedWeight(compose(config, drawn=False, edits=self.task.edits))
-        self._assisted = simulation.addresses.assisted
-        self._belief_state = np.zeros((self.n, self._suit.size))
-
-    def _begin_judging(self) -> None:
-        """Prepares what depends on the task: rewards, costs and the places of the hand."""
-        n, simulation = self.n, self.simulation
-        state, addresses = simulation.state, simulation.addresses
-        samples = simulation.samples if self.task.watches else 0
-        self._counters, self._measured = state.episode, state.sensors.measured
-        self._score = Score(
-            sums=np.zeros((n, SUMS)),
-            reward=np.zeros(n),
-            terminated=np.zeros(n, np.bool_),
-            truncated=np.zeros(n, np.bool_),
-            ranges=simulation.model.jnt_range[: len(JOINTS)],
-            scale=self.effort_scale,
-            has_cuffs="cuff_force" in simulation.columns,
-            assisted=addresses.assisted,
-            faults=addresses.faults,
-        )
-        self._watch = Watch(
-            watched=np.zeros((n, samples), np.bool_),
-            hand_places=np.zeros((n, samples, 3)),
-            last_hand=np.zeros((n, 3)),
-            hand=addresses.hand,
-        )
-        self.reward, self.terminated = self._score.reward, self._score.terminated
-        self.truncated = self._score.truncated
-        own = {"belief": self._belief, "belief_state": self._belief_state, "frames": self._frames}
-        self._own: dict[str, NDArray] = {**saved(self._score), **saved(self._watch), **own}
-        counters, measured = self._counters, self._measured
-        judged = (simulation.plugin_state, counters, state.motors.change, measured, self._score)
-        self._judge = bound(judge, (self._all, True), judged)
-        looks = (simulation.sensordata, counters, measured, self._watch, self._score.sums)
-        self._judge_hand = bound(judge_hand, (self._all,), looks) if self.task.watches else None
-
     def _encoded(self, rows: Rows) -> tuple[Array, Array]:
         measured = self._measured[rows]
         return measured[:, ENCODER : ENCODER + 4], measured[:, ENCODER_RATE : ENCODER_RATE + 4]
@@ -429,17 +392,14 @@ def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None)
         )
     found = given.astype(np.float64, order="C")
     if not isfinite(found.sum()):  # also where finite numbers overflow
-        _refuse_infinite(found if rows is None else found[rows], rows)
+        each = found.reshape(-1, shape[-1])
+        for row in range(len(each)) if rows is None else rows:
+            if not np.isfinite(each[row]).all():
+                place = f"action of row {row}" if len(each) > 1 else "action"
+                raise InputError(
+                    f"{place} is {each[row].tolist()}: give finite numbers from -1 to 1"
+                )
     return found
-
-
-def _refuse_infinite(action: Array, rows: Rows | None) -> None:
-    bad = np.flatnonzero(~np.isfinite(action.reshape(-1, action.shape[-1])).all(axis=1))
-    if bad.size:
-        row = bad[0] if rows is None else rows[bad[0]]
-        place = f"action of row {row}" if action.size > action.shape[-1] else "action"
-        given = action.reshape(-1, action.shape[-1])[bad[0]].tolist()
-        raise InputError(f"{place} is {given}: give finite numbers from -1 to 1")
 
 
 def checked_seed(seed: Any) -> int:
@@ -449,3 +409,16 @@ def checked_seed(seed: Any) -> int:
     if not 0 <= seed <= HIGHEST_SEED:
         raise InputError(f"seed is {seed}: use 0 to {HIGHEST_SEED}")
     return int(seed)
+
+
+def of_row(report: dict[str, Any]) -> dict[str, Any]:
+    """Returns the only row of a report: numbers, and arrays in their shape."""
+    found: dict[str, Any] = {}
+    for name, values in report.items():
+        if isinstance(values, dict):
+            found[name] = of_row(values)
+        elif values.ndim == 1:
+            found[name] = values.item()
+        else:
+            found[name] = values.reshape(SHAPES.get(name, -1))
+    return found

@@ -30,10 +30,6 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
         env_id: Id of a registered environment whose class is an `ArmEnv`; as "module:id", the
             module is imported first.
         **options: Options of the environment (`suit`, `gravity`, ...).
-
-    Raises:
-        InputError: The id is unknown, its module cannot be imported, or what it makes is no
-            `ArmEnv`.
     """
     name = _imported(env_id)
     with nullcontext() if name.startswith(OURS) else _own_code(env_id):
@@ -106,9 +102,6 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
         env_id: Id of a registered environment whose class is an `ArmEnv`; see `make_env`.
         rows: Number of rows.
         **options: Options of the environment, and of `ArmVectorEnv`.
-
-    Raises:
-        InputError: `make_env` raises it, or the id has wrappers of its own, which rows cannot have.
     """
     name = _imported(env_id)
     spec, maker = gymnasium.registry[name], _maker(name)

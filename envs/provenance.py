@@ -37,11 +37,7 @@ class Quantity:
 
 
 def numbers_of(*groups: str) -> tuple[Quantity, ...]:
-    """Returns numbers of `numbers.csv`, in its order.
-
-    Args:
-        *groups: First parts of their names, such as "control".
-    """
+    """Returns the numbers of `numbers.csv` whose names begin with a group, such as "control"."""
     return tuple(one for one in _numbers() if one.name.partition(".")[0] in groups)
 
 
@@ -96,12 +92,7 @@ REQUIRED = MISSING
 
 
 def check_settings(config: Any, prefix: str) -> None:
-    """Checks the numbers of a configuration that `setting` declares.
-
-    Args:
-        config: Dataclass of the numbers.
-        prefix: Words before the name of a field in a message.
-    """
+    """Checks the numbers of a configuration that `setting` declares; a prefix begins messages."""
     for one in fields(config):
         known: Setting | None = one.metadata.get("setting")
         value: Any = getattr(config, one.name)
@@ -111,12 +102,7 @@ def check_settings(config: Any, prefix: str) -> None:
 
 
 def quantities_of(config: Any, name: str) -> tuple[Quantity, ...]:
-    """Returns the numbers of a configuration that have a source.
-
-    Args:
-        config: Dataclass whose fields `setting` declares.
-        name: Name of the whole, which comes before the names of the fields.
-    """
+    """Returns the numbers of a configuration that have a source, with a name before each."""
     declared = [(one.name, one.metadata.get("setting")) for one in fields(config)]
     return tuple(
         Quantity(f"{name}.{field}", getattr(config, field), known.unit, known.source, known.grade)

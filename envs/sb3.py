@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 
 from ..errors import InputError, shown
+from .interface.reward import COSTS
 from .plant import Plant
 from .policies import AnyPolicy, make_policy
 from .policies.registry import base_of, residual_of
 from .policies.residual import SCALE, Cohorts, corrected
-from .reward import COSTS
 from .vector_env import ArmVectorEnv
 
 
@@ -28,9 +28,6 @@ class ArmVecEnv(VecEnv):
 
     Args:
         arms: Vector environment with `autoreset_mode="SameStep"`.
-
-    Raises:
-        InputError: The vector environment has another mode.
     """
 
     def __init__(self, arms: ArmVectorEnv) -> None:

@@ -1,4 +1,16 @@
-"""The setup of an environment: all its options but the number of rows, checked and complete."""
+"""The setup of an environment: all its options but the number of rows, checked and complete.
+
+    >>> from activesuit.envs.tasks import TASKS
+    >>> setup = Setup.of(TASKS["Scoop"], {"suit": "emu-like", "control": {"noise": 1.0}})
+    >>> setup.sensors, setup.control_dt, setup.control.noise
+    (('encoders',), 0.01, 1.0)
+    >>> setup.arm.suit, setup.arm.gravity, setup.fatigue
+    ('emu-like', 'moon', False)
+
+A setup is plain data that never changes, and that single and vector environments share: all checks
+of options are made here, and nothing below asks again. `DEFAULTS` are the options that are not
+given, and `Task` decides place and fatigue.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -6,16 +18,16 @@ from typing import Any
 
 from ..checks import flag, within
 from ..errors import InputError, refuse_old_names, shown, unknown_name
-from .levels import with_level
+from .domain.levels import with_level
+from .domain.randomization import Randomization
+from .interface.observation import DEFAULT_SENSORS, checked_sensors
+from .interface.own_code import OwnReward
 from .model import ArmConfig
 from .model.config import nested
-from .observation import checked_sensors
-from .own_code import OwnReward
 from .person import VoluntaryControl
-from .randomization import Randomization
 from .simulation.faults import Faults
 from .simulation.measurements import Sensing
-from .simulation.simulation import PREVIEW
+from .simulation.state import PREVIEW
 from .tasks import Task
 
 ROUNDING = 1e-9  # s
@@ -80,7 +92,7 @@ class Setup:
         found = {"gravity": task.place} | with_level(options)
         arm = ArmConfig.from_dict({name: found[name] for name in found.keys() & OF_ARM})
         own = {name: found[name] for name in found.keys() - OF_ARM if found[name] is not None}
-        own = {**USUAL, "fatigue": task.fatigue, **own}
+        own = {**DEFAULTS, "fatigue": task.fatigue, **own}
         _check_period(own["control_dt"], arm.timestep)
         usual_control = VoluntaryControl()
         delay = round(usual_control.delay / own["control_dt"]) * own["control_dt"]
@@ -114,8 +126,8 @@ OF_ARM = frozenset(one.name for one in fields(ArmConfig))
 OPTIONS = OF_ARM | {one.name for one in fields(Setup)} - {"arm"} | {"level"}
 """Names of the options of an environment, and of those that are options of its arm."""
 
-USUAL: dict[str, Any] = {
-    "sensors": ("encoders",),
+DEFAULTS: dict[str, Any] = {
+    "sensors": DEFAULT_SENSORS,
     "normalize": False,
     "history": 1,
     "control_dt": 0.01,

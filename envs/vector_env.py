@@ -1,4 +1,14 @@
-"""Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium."""
+"""Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium.
+
+    >>> arms = ArmVectorEnv(3, "ElbowFlexion", autoreset_mode="SameStep", max_episode_steps=2)
+    >>> observations, info = arms.reset(seed=[5, 6, 7])
+    >>> ends = [arms.step(np.zeros((3, 2)))[3].tolist() for _ in range(2)]
+    >>> ends
+    [[False, False, False], [True, True, True]]
+
+Row i is `ArmEnv` with the seed of row i to the last bit, whatever the other rows do and however
+many threads work. Returned arrays are new: they never change afterwards.
+"""
 
 import os
 from collections.abc import Sequence
@@ -14,13 +24,12 @@ from ..checks import at_least, flag
 from ..errors import InputError, refuse_old_names, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
-from .reward import COSTS, TERMS, cost_terms, is_success
 from .setup import Setup
-from .simulation.measurements import SENSED
 from .tasks import ARM_TRACKING, Task, task_of
 
 InfoKind = Literal["none", "metrics", "full"]
 METRICS = ("human_energy", "assist_energy", "dissipated_energy", "motor_load")
+METRICS += ("is_success", "reward_terms")
 MOST_THREADS = 1024
 MASK, LEARNED = "reset_mask", ("learned_torque", "learned_contraction")  # options of a reset
 Bools = NDArray[np.bool_]
@@ -56,6 +65,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
             between rows.
+
+    Attributes:
+        task: Task.
+        control_dt: Time between actions [s].
+        duration: Duration of an episode [s].
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012
@@ -100,7 +114,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             effort_scale=effort_scale,
         )
         simulation = self.episodes.simulation
-        fps = round(1 / simulation.control_dt)
+        self.task, self.duration, self.control_dt = task, task.duration, simulation.control_dt
+        fps = round(1 / self.control_dt)
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
@@ -138,10 +153,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
                 bare arms, and `learned_contraction`, their co-contraction beyond the usual one
                 [N·m], shape (rows to reset, samples, 4), where the environment was made with
                 learned_torque=True.
-
-        Raises:
-            InputError: The seeds or the mask are of another number of rows, or an option is
-                unknown.
         """
         rows = self._rows if options is None else self._masked(options)
         seeds = _seeds(seed, self.num_envs)
@@ -160,12 +171,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def step(
         self, actions: NDArray[np.floating[Any]]
     ) -> tuple[NDArray[np.float32], NDArray[np.float64], Bools, Bools, dict[str, Any]]:
-        """Moves every row by one control period.
-
-        Raises:
-            InputError: The actions have another shape or are not finite, or there was no reset, or
-                (with autoreset disabled) an episode is over; nothing has changed.
-        """
+        """Moves every row by one control period."""
         self.episodes.require_reset("step")
         episodes, over = self.episodes, self._over
         if not over.any():
@@ -212,21 +218,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.renderer.close()
 
     @property
-    def control_dt(self) -> float:
-        """The time between actions [s]."""
-        return self.episodes.simulation.control_dt
-
-    @property
-    def task(self) -> Task:
-        """The task."""
-        return self.episodes.task
-
-    @property
-    def duration(self) -> float:
-        """The duration of an episode [s]."""
-        return self.episodes.task.duration
-
-    @property
     def has_cuffs(self) -> bool:
         """Whether cuffs connect the exoskeletons to the arms."""
         return "cuff_force" in self.episodes.simulation.columns
@@ -257,10 +248,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
         Returns:
             The observations of all rows, and info.
-
-        Raises:
-            InputError: The state belongs to another configuration or number of rows, or there is no
-                such row; nothing has changed.
         """
         chosen = self._checked_rows(rows)
         self.episodes.restore(chosen, state)
@@ -334,47 +321,20 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             )
         return chosen.astype(np.int64)
 
-    def _infos(self, mask: Bools) -> dict[str, Any]:
-        return {} if self._info == "none" else self._read(mask)
-
-    def _read(self, mask: Bools) -> dict[str, Any]:
-        """Returns the measurements of the rows of a mask, as arrays in Gymnasium's form."""
-        episodes = self.episodes
-        simulation, counters = episodes.simulation, episodes.simulation.state.episode
-        full = self._info == "full"
-        names = [name for name in simulation.columns if name not in SENSED]
-        found: dict[str, Any] = {
-            name: simulation.measured(name).copy() for name in names if full or name in METRICS
-        }
-        found = {
-            name: values[:, 0] if values.shape[1] == 1 else values for name, values in found.items()
-        }
-        found["is_success"] = self._successes()
-        if full:
-            found["clipped_actions"] = counters.clipped.copy()
-            found["diverged"] = counters.diverged.copy()
-            found["cost_terms"] = self._cost_terms(mask)
-        terms = {name: episodes.terms[:, i].copy() for i, name in enumerate(TERMS)}
-        found["reward_terms"] = _with_masks(terms, mask)
+    def _infos(self, mask: Bools, *always: str) -> dict[str, Any]:
+        """Returns what no sensor measures of the rows of a mask, in Gymnasium's form."""
+        chosen = {*always, *(METRICS if self._info == "metrics" else ())}
+        if self._info == "none" and not always:
+            return {}
+        found = self.episodes.report()
+        if self._info != "full":
+            found = {name: value for name, value in found.items() if name in chosen}
+        if "cost_terms" in found:
+            costs = found["cost_terms"].items()
+            found["cost_terms"] = {name: np.where(mask, value, 0.0) for name, value in costs}
+        for name in ("cost_terms", "reward_terms") & found.keys():
+            found[name] = _with_masks(found[name], mask)
         return _with_masks(found, mask)
-
-    def _cost_terms(self, mask: Bools) -> dict[str, Any]:
-        """Returns the costs of the episodes of the rows of a mask by name, 0 in the others."""
-        found = {name: np.zeros(self.num_envs) for name in COSTS}
-        steps = self.episodes.simulation.state.episode.step
-        for row in self._rows[mask].tolist():
-            for name, value in cost_terms(self.episodes.costs[row], int(steps[row])).items():
-                found[name][row] = value
-        return _with_masks(found, mask)
-
-    def _successes(self) -> Bools:
-        """Returns whether the episode of each row is a success so far."""
-        step, lost = self.episodes.simulation.state.episode.step, self.episodes.terminated.tolist()
-        ends = zip(self.episodes.costs, step.tolist(), lost, strict=True)
-        task = self.episodes.task
-        return np.array(
-            [is_success(costs, periods, task, ended=end) for costs, periods, end in ends]
-        )
 
     def _final(self, ended: Bools) -> dict[str, Any]:
         """Returns the last observations and measurements of the episodes that have ended."""
@@ -382,18 +342,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         last = np.full(self.num_envs, None, dtype=object)
         for row in self._rows[ended].tolist():
             last[row] = observation[row]
-        return {
-            "final_obs": last,
-            "_final_obs": ended.copy(),
-            "final_info": {
-                **self._infos(ended),
-                "is_success": self._successes(),
-                "_is_success": ended.copy(),
-                "cost_terms": self._cost_terms(ended),
-                "_cost_terms": ended.copy(),
-            },
-            "_final_info": ended.copy(),
-        }
+        final = {"final_obs": last, "final_info": self._infos(ended, "is_success", "cost_terms")}
+        return _with_masks(final, ended)
 
 
 def _with_masks(values: dict[str, Any], mask: Bools) -> dict[str, Any]:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from .. import TASKS
+from ..envs.interface.observation import SUITES
 from ..envs.making import make_arms, make_env
 from ..envs.model import bushing
-from ..envs.observation import SUITES
 from ..envs.simulation.compiling import ALONE
 from ..hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
 from ..hysteresis.engine.native import compile_plugin

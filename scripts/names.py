@@ -15,10 +15,11 @@ PACKAGE = Path(__file__).parents[1]
 DECLARED = {  # dataclasses whose fields are options, and their files
     "Setup": "envs/setup.py",
     **dict.fromkeys(("ArmConfig", "Payload"), "envs/model/config.py"),
-    **dict.fromkeys(("Exo", "Motor"), "envs/model/exoskeleton.py"),
+    "Exo": "envs/model/exoskeleton.py",
+    "Motor": "envs/model/motors.py",
     "Person": "envs/person/anthropometry.py",
     "VoluntaryControl": "envs/person/control.py",
-    "Randomization": "envs/randomization.py",
+    "Randomization": "envs/domain/randomization.py",
     "Sensing": "envs/simulation/measurements.py",
     "Faults": "envs/simulation/faults.py",
     "Corrections": "identification/corrections/corrections.py",

@@ -102,12 +102,12 @@ def flags(kind: str) -> dict[str, tuple[Any, Any]]:
             "options" for a scene, which is an environment with its task.
     """
     from ..envs.model import ArmConfig
-    from ..envs.setup import USUAL, Setup
+    from ..envs.setup import DEFAULTS, Setup
 
     arm = _fields_of(ArmConfig, vars(ArmConfig()))
     if kind == "arm":
         return arm
-    found = {**arm, **_fields_of(Setup, USUAL | {"fatigue": None}, ("arm",))}
+    found = {**arm, **_fields_of(Setup, DEFAULTS | {"fatigue": None}, ("arm",))}
     steps = "Number of control periods after which an episode ends."
     found[LIMIT] = (Annotated[Any, optional_number("that of the task", int, 1, steps)], None)
     if kind == "environment":
@@ -320,7 +320,7 @@ joints = names_of("assets", "JOINTS")
 shipped_tasks = names_of("envs.tasks", "TASKS")
 tasks = names_of("envs.tasks", "TASKS", "FILE.csv")
 uses = names_of("envs.tasks", "TASKS", "FILE.csv", "any")  # what curves may be for
-levels = names_of("envs.levels", "LEVELS")
+levels = names_of("envs.domain.levels", "LEVELS")
 scores = names_of("envs.extras", "SCORES")
 drawings = names_of("envs.extras", "DRAWINGS")
 

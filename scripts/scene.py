@@ -9,8 +9,8 @@ from typing import Any
 
 from ..assets import load_suit
 from ..checks import at_least
+from ..envs.domain.levels import NOMINAL, with_level
 from ..envs.evaluation import BOUNDS
-from ..envs.levels import NOMINAL, with_level
 from ..envs.making import OURS
 from ..envs.model import ArmConfig
 from ..envs.model.config import place_of

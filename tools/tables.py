@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from ..assets import JOINTS
-from ..envs.levels import LEVELS
-from ..envs.observation import BELIEF, SUITES
+from ..envs.domain.levels import LEVELS
+from ..envs.interface.observation import BELIEF, SUITES
 from ..envs.person import control
 from ..envs.provenance import Quantity
 from ..envs.simulation.measurements import COLUMNS

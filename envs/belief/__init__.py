@@ -1,8 +1,9 @@
 """What a controller believes of the arm: the suit's torque, weight, inertia and levers."""
 
+from ..model.encoders import count_of
 from .arm import Belief, BelievedArm
 from .rigid import BelievedWeight, CuffLevers
-from .suit import LEAD, BelievedSuit, JointBelief, belief_of, count_of
+from .suit import LEAD, BelievedSuit, JointBelief, belief_of
 
 __all__ = [
     "LEAD",

@@ -10,11 +10,12 @@ from ...assets import AnySuit, SuitJoint
 from ...errors import InputError
 from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
 from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
+from ..model.encoders import count_of
 from ..model.workplace import Edits
 from ..person import Person
 from ..provenance import check_settings, setting
 from .rigid import BelievedInertia, BelievedWeight
-from .suit import BelievedSuit, count_of
+from .suit import BelievedSuit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,11 +85,7 @@ class BelievedArm:
         return resisting_joints(self.config)
 
     def suit(self) -> BelievedSuit:
-        """Returns a follower of the suit's torque, with the resolution of the encoders.
-
-        Raises:
-            InputError: A suit is believed in that has neither of the assisted joints.
-        """
+        """Returns a follower of the suit's torque, with the resolution of the encoders."""
         joints = self.joints
         if self._given and not any(joint in joints for joint in ASSISTED):
             raise InputError(

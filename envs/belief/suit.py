@@ -16,11 +16,6 @@ LEAD = values_of(PROVENANCE)["belief.lead"]  # [s], time by which the motors ans
 DEAD_BAND = 1.5  # [encoder counts], greatest change that counts as no motion
 
 
-def count_of(bits: int) -> float:
-    """Returns the angle of one count [rad] of an encoder with that number of bits."""
-    return 2 * np.pi / 2**bits
-
-
 class JointBelief(Protocol):
     """A model of one joint of a suit: a resistance that depends on the past motion."""
 

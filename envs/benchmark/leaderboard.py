@@ -12,12 +12,12 @@ from ...errors import InputError, shown
 from ...plots import Line, Panel, Plot
 from ...tables import Rows, markdown_table
 from ...text import without_markup
+from ..domain.levels import COMPARED
 from ..evaluation.extra_scores import cost_table, limit_remarks
 from ..evaluation.reasons import Frequent
 from ..evaluation.sentences import exceeded, motions_text
 from ..evaluation.statistics import interval_text
 from ..extras import SCORES, STANDARD
-from ..levels import COMPARED
 from ..policies import POLICIES, needed_options
 from ..policies.trained import shipped_policies
 from .results import Result

@@ -21,12 +21,12 @@ from pydantic import (
 from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
+from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.reasons import Frequent, most_frequent
 from ..evaluation.rollout import Trace
 from ..evaluation.run import run
 from ..extras import SCORES, STANDARD
-from ..levels import LEVELS
 from ..tasks import TASKS
 from .suites import Suite, Trial
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import unknown_name
+from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, REFERENCES
 from ..evaluation.extra_scores import Cost
 from ..evaluation.relief import LEAST_COST, relief
@@ -26,7 +27,6 @@ from ..evaluation.statistics import (
     interquartile_mean_interval,
 )
 from ..extras import STANDARD
-from ..levels import LEVELS
 from .results import SERIES, Result
 from .suites import BASELINE, Setting, where
 

@@ -16,11 +16,11 @@ from ... import __version__
 from ...assets import load_suit
 from ...checks import at_least, once
 from ...errors import InputError, unknown_name
+from ..domain.levels import COMPARED, LEVELS
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.compare import check_policy
 from ..evaluation.statistics import FEWEST_MOTIONS
 from ..extras import SCORES
-from ..levels import COMPARED, LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec

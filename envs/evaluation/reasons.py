@@ -17,9 +17,9 @@ from scipy.signal import correlate, periodogram
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ..interface.reward import COSTS, JOINT, LIMITS, STRAIN, WIDTH, failed
 from ..model import ASSISTED
 from ..model.cuffs import CUFFS
-from ..reward import COSTS, JOINT, LIMITS, STRAIN, WIDTH, failed
 from ..simulation.measurements import COLUMNS
 from ..tasks import Task
 

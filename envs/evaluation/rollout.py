@@ -9,10 +9,10 @@ from gymnasium.vector import AutoresetMode
 
 from ...arrays import Array
 from ...errors import InputError
+from ..interface.reward import cost_terms
 from ..person import strength_limits
 from ..policies.base import Policy
 from ..policies.guard import Guard
-from ..reward import cost_terms
 from ..simulation.inverse_dynamics import Chain
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS

@@ -10,11 +10,11 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ...errors import InputError, unknown_name
+from ..domain.randomization import Randomization
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
 from ..policies.own import OwnPolicy
-from ..randomization import Randomization
 from .best_known_plan import BOUNDS, clairvoyant
 from .rollout import Trace
 from .scores import REFERENCES, Score, score

@@ -8,10 +8,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ..interface.reward import COSTS
 from ..model import ASSISTED
 from ..model.cuffs import CUFFS
 from ..person import EffortMetrics, effort_metrics, endurance_time, spectral_arc_length
-from ..reward import COSTS
 from ..tasks.task import SUSTAINED, Limit
 from .reasons import Reason
 from .rollout import Trace

@@ -14,7 +14,7 @@ from ...errors import InputError
 from ...plots import Cells, Panel, Plot
 from ...tables import Rows
 from ..belief import Belief
-from ..levels import NOMINAL
+from ..domain.levels import NOMINAL
 from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
 from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec

@@ -10,7 +10,9 @@ from .compose import (
     suit_of_config,
 )
 from .config import GRAVITY, ArmConfig, Payload
-from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_step
+from .encoders import quantize, start_encoders
+from .exoskeleton import ASSISTED, Exo
+from .motors import Motor, thermal_step
 from .variants import mirror
 
 __all__ = [

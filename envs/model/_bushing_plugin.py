@@ -145,15 +145,8 @@ def load(p, arm, Ra, Rb, rate, spin):
     With d = Rb^T arm - offset and phi = log(Rb^T Ra), the energy is d.K d / 2 + phi.Kr phi / 2. Its
     gradient has J(phi)^-T = 1 + [phi] / 2 + c [phi]^2, the inverse transpose of the left Jacobian
     of rotations (Chirikjian and Kyatkin 2001, Engineering Applications of Noncommutative Harmonic
-    Analysis, section 5.3).
-
-    Args:
-        p: Parameters of the bushing.
-        arm: Vector from the exoskeleton's site to the limb's, in the axes of the world.
-        Ra: Axes of the limb's site.
-        Rb: Axes of the exoskeleton's site.
-        rate: Velocity of the limb's site relative to the exoskeleton's body, in the world.
-        spin: Angular velocity of the limb relative to the exoskeleton.
+    Analysis, section 5.3). Ra and Rb are the axes of the limb's site and of the exoskeleton's;
+    `arm`, rate and spin are those of the first relative to the second, in the axes of the world.
     """
     d = subtract(into(Rb, arm), triple(p, OFFSET))
     cosine, v = half_turn(into(Rb, column(Ra, 0)), into(Rb, column(Ra, 1)), into(Rb, column(Ra, 2)))

@@ -142,15 +142,7 @@ def replace_bushing(
 def move_bushing(
     mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], name: str, by: Array
 ) -> None:
-    """Moves the rest position of one simulation's bushing.
-
-    Args:
-        mj_model: Compiled model.
-        plugin_state: Array `data.plugin_state`, or one simulation's row of a batch; it is changed
-            in place.
-        name: Name of the bushing.
-        by: Vector that is added to its `offset` [m], shape (3,).
-    """
+    """Moves the rest position of one simulation's bushing [m]; see `replace_bushing`."""
     _parameters(mj_model, plugin_state, name)[-3:] += by
 
 

@@ -18,7 +18,8 @@ from ..person import segments
 from . import bushing
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
-from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
+from .encoders import delay_encoders
+from .exoskeleton import ASSISTED, fit_exoskeleton, remove_exoskeleton
 from .fitting import attach_others, attach_suit, fit_person, remove_suit
 from .variants import make_lean, mirror, remove_drawings, taken_keyframes
 from .workplace import Edits, edit, grip, holder
@@ -242,9 +243,6 @@ def for_warp(config: ArmConfig) -> mujoco.MjModel:
 
     Returns:
         Model, the inputs of which are the wearer's four joints and then the motors.
-
-    Raises:
-        InputError: The exoskeleton is connected by cuffs.
     """
     if config.coupling == "cuffs":
         raise InputError(
@@ -273,10 +271,6 @@ def load_model(path: str | os.PathLike[str]) -> mujoco.MjModel:
 
     Args:
         path: Path of the file.
-
-    Raises:
-        InputError: There is no such file, its name ends otherwise, or MuJoCo refuses its content,
-            which is truncated, damaged or of another version.
     """
     engine.register()
     bushing.register()

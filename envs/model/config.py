@@ -201,12 +201,7 @@ def _updated(default: Config, values: Mapping[str, Any], where: str) -> Config:
 
 
 def place_of(what: str, given: Any) -> str:
-    """Returns the name of a place that `GRAVITY` has.
-
-    Args:
-        what: What the name is, for the message.
-        given: A name among `GRAVITY`.
-    """
+    """Returns the name of a place that `GRAVITY` has; `what` names it in the message."""
     refuse_old_names([given], {"weightless": "microgravity"})
     if not isinstance(given, str) or given not in GRAVITY:
         raise unknown_name(what, given, GRAVITY)

@@ -116,24 +116,12 @@ def couple(
 
 
 def shift_exoskeleton(model: mujoco.MjModel, body_pos: Array, by: Array) -> None:
-    """Moves the exoskeleton of one simulation to another place on the torso.
-
-    Args:
-        model: Model of an arm with cuffs.
-        body_pos: Positions of the bodies [m], shape (bodies, 3), which change in place.
-        by: Vector by which it moves: forward, outward, up [m], shape (3,).
-    """
+    """Moves the exoskeleton of one simulation on the torso: forward, outward, up [m], in place."""
     body_pos[model.body(next(iter(CHAIN))).id] += _in_torso(model, by)
 
 
 def strap_again(model: mujoco.MjModel, plugin_state: Array, by: Array) -> None:
-    """Straps the cuffs of one simulation on anew, after `shift_exoskeleton`: they bear no force.
-
-    Args:
-        model: Model of an arm with cuffs.
-        plugin_state: State of the plugins of the simulation, which changes in place.
-        by: Vector by which the exoskeleton has moved: forward, outward, up [m], shape (3,).
-    """
+    """Straps the cuffs of one simulation on anew after `shift_exoskeleton`: they bear no force."""
     for segment in CUFFS:
         move_bushing(model, plugin_state, f"cuff_{segment}", -_in_torso(model, by))
 

@@ -20,12 +20,7 @@ _DRAWN = 2  # group of geoms that are only drawn
 
 @dataclass(frozen=True)
 class Edits:
-    """What is added to the specification of a model.
-
-    Attributes:
-        key: Text that differs where the edits differ; models are compiled once for each.
-        apply: Function that changes a specification.
-    """
+    """What is added to a specification by `apply`; models are compiled once for each `key`."""
 
     key: str
     apply: Callable[[mujoco.MjSpec], None] = field(compare=False)
@@ -64,13 +59,7 @@ def add_pushes(spec: mujoco.MjSpec) -> None:
 def add_reaction(spec: mujoco.MjSpec, name: str, limit: float, damping: float) -> None:
     """Adds a force that withstands the grip's motion in the direction of flexion, and no other.
 
-    It grows with speed up to a limit, and cannot drive the arm.
-
-    Args:
-        spec: Specification that is changed.
-        name: Name of the force.
-        limit: Greatest force [N].
-        damping: Force per speed below it [N·s/m].
+    It grows with speed by `damping` [N·s/m] up to a limit [N], and cannot drive the arm.
     """
     spec.add_actuator(
         name=name,
@@ -115,12 +104,9 @@ def straight_arm(spec: mujoco.MjSpec) -> float:
 
 
 def place_of(spec: mujoco.MjSpec, angles: Array, point: Array) -> Array:
-    """Returns where a point of the hand is in the frame of the torso [m], shape (3,).
+    """Returns where a point of the hand [m] is in the frame of the torso [m], of a right arm.
 
-    Args:
-        spec: Specification of a right arm.
-        angles: Angles of shoulder, elbow and wrist flexion [rad], shape (3,); abduction is zero.
-        point: The point in the frame of the hand [m], shape (3,).
+    `angles` are those of shoulder, elbow and wrist flexion [rad], shape (3,); abduction is zero.
     """
     place = np.asarray(point, float)
     offsets = (spec.body("hand").pos, spec.body("forearm").pos, spec.body("shoulder").pos)

@@ -103,11 +103,7 @@ class VoluntaryControl:
         flag("stiff", self.stiff)
 
     def periods(self, dt: float) -> int:
-        """Returns the delay in control periods of `dt` [s].
-
-        Raises:
-            InputError: The delay is not a multiple of the control period.
-        """
+        """Returns the delay in control periods of `dt` [s]."""
         count = round(self.delay / dt)
         if not isclose(count * dt, self.delay, abs_tol=1e-9):
             raise InputError(

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
-from ...kernels import elementwise
+from ...kernels import ufunc_of
 from ..provenance import numbers_of, values_of
 
 
@@ -97,7 +97,7 @@ def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array
     """
     torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
     asked, available = np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2)
-    return elementwise(loaded)(asked, available)
+    return ufunc_of(loaded)(asked, available)
 
 
 def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
@@ -112,7 +112,7 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
     Returns:
         The fatigued part after `dt`, shape (..., 2, 4).
     """
-    return elementwise(tired)(fatigued, load, *RATES, dt)
+    return ufunc_of(tired)(fatigued, load, *RATES, dt)
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:

@@ -17,7 +17,7 @@ from ..belief import LEAD, Belief, BelievedArm, BelievedSuit, BelievedWeight
 from ..model import Exo
 from ..plant import Plant
 from ..provenance import numbers_of, values_of
-from ..simulation.simulation import PREVIEW
+from ..simulation.state import PREVIEW
 from .base import Seen, TorquePolicy
 
 PROVENANCE = numbers_of("friction")

@@ -11,7 +11,7 @@ from onnx.reference import ReferenceEvaluator
 
 from ... import __version__
 from ...arrays import AnyArray, Array
-from ..observation import SUITES, checked_sensors
+from ..interface.observation import SUITES, checked_sensors
 from .network import LSTM, LSTM_ARRAYS, Card, Network
 
 OPSET, IR_VERSION = 17, 8  # versions of 2022, which older runtimes read, too

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown
-from ..own_code import called
+from ..interface.own_code import called
 from .base import Policy
 
 

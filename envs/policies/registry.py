@@ -10,10 +10,10 @@ from ...checks import within
 from ...errors import InputError, shown, unknown_name
 from ..arm_env import ArmEnv
 from ..belief import Belief
+from ..interface.own_code import imported
 from ..model import resisting_joints
-from ..own_code import imported
 from ..plant import Plant
-from ..setup import USUAL
+from ..setup import DEFAULTS
 from ..vector_env import ArmVectorEnv
 from . import adaptive, model_based, observers, predictive, trained
 from .base import Policy
@@ -109,7 +109,7 @@ class PolicyKind:
         """Options of an environment in which the policy can act; see `needed_options`."""
         if self.maker is None:
             found = trained.environment_of(self.folder)
-            return {part: found.get(part, USUAL[part]) for part in trained.OBSERVATION}
+            return {part: found.get(part, DEFAULTS[part]) for part in trained.OBSERVATION}
         sensors = getattr(self.maker, "sensors", None)
         return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 

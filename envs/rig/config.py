@@ -13,7 +13,7 @@ from ...checks import at_least, check_seed, number, numbers
 from ...errors import InputError, shown, unknown_name
 from ...hysteresis import HysteresisModel
 from ...published import LI_TURNS
-from ..provenance import Quantity
+from ..provenance import Quantity, check_settings, quantities_of, setting
 
 TURNS = {f"{joint}_flexion": turns for joint, turns in LI_TURNS.items()}  # rad
 LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
@@ -21,19 +21,10 @@ SAME = 1e-6  # [rad], distance of two angles that are meant to be one
 ROUNDING = 1e-3  # share of a rate that the digits of a file may change
 FULL_TURN = 2 * math.pi  # rad
 RATE, RATE_RANGE = 0.1, (0.01, 0.5)  # rad/s
-SAMPLE_RATE, SAMPLE_RATE_RANGE = 25.0, (1.0, 1000.0)  # Hz
+SAMPLE_RATE = 25.0  # Hz
 NOISE = 0.05  # N·m
-
-PROVENANCE: tuple[Quantity, ...] = (
-    *(
-        Quantity(f"rig.{joint}.turn.{i}", turn, "rad", "Li et al. 2022, 3.1 and 5.1", "published")
-        for joint, turns in TURNS.items()
-        for i, turn in enumerate(turns, start=1)
-    ),
-    Quantity("rig.rate", RATE, "rad/s", "slow: a curve takes 10 to 20 s", "assumed"),
-    Quantity("rig.sample_rate", SAMPLE_RATE, "Hz", "0.004 rad between samples", "assumed"),
-    Quantity("rig.noise", NOISE, "N·m", "about 1 % of a suit's elbow torque", "assumed"),
-)
+LARGEST = 1000.0  # N·m, N·m/s
+FINEST = 1e-12  # N·m, rad
 
 
 def reversals(angle: Array) -> NDArray[np.intp]:
@@ -98,13 +89,13 @@ class RigConfig:
     turns: tuple[float, ...] = ()
     start_angle: float | None = None
     repeats: int = 1
-    rate: float = RATE
-    sample_rate: float = SAMPLE_RATE
-    noise: float = NOISE
-    drift: float = 0.0
-    torque_resolution: float | None = None
-    angle_resolution: float | None = None
-    bearing_friction: float = 0.0
+    rate: float = setting(RATE, "rad/s", *RATE_RANGE, source="slow: a curve takes 10 to 20 s")
+    sample_rate: float = setting(SAMPLE_RATE, "Hz", 1, 1000, source="0.004 rad between samples")
+    noise: float = setting(NOISE, "N·m", 0, LARGEST, source="about 1 % of a suit's elbow torque")
+    drift: float = setting(0.0, "N·m/s", -LARGEST, LARGEST)
+    torque_resolution: float | None = setting(None, "N·m", FINEST, LARGEST)
+    angle_resolution: float | None = setting(None, "rad", FINEST, FULL_TURN)
+    bearing_friction: float = setting(0.0, "N·m", 0, LARGEST)
     seed: int = 0
     motion: tuple[tuple[float, float], ...] = ()
 
@@ -132,18 +123,7 @@ class RigConfig:
             )
         at_least("repeats", self.repeats, 1)
         check_seed(self.seed)
-        ranges = {"rate": (*RATE_RANGE, "rad/s"), "sample_rate": (*SAMPLE_RATE_RANGE, "Hz")}
-        for name, (low, high, unit) in ranges.items():
-            if not low <= number(name, value := getattr(self, name), unit) <= high:
-                raise InputError(f"{name} is {value:g} {unit}: give {low:g} to {high:g}")
-        number("drift", self.drift, "N·m/s")
-        for name in ("noise", "bearing_friction"):
-            if number(name, value := getattr(self, name), "N·m") < 0:
-                raise InputError(f"{name} is {value:g} N·m: give 0 or more")
-        for name, unit in (("torque_resolution", "N·m"), ("angle_resolution", "rad")):
-            value = getattr(self, name)
-            if value is not None and number(name, value, unit) <= 0:
-                raise InputError(f"{name} is {value:g} {unit}: give a number above 0, or none")
+        check_settings(self, "")
 
     def _checked_motion(self, specimen: Specimen) -> tuple[tuple[float, float], ...]:
         for name in ("turns", "repeats", "rate"):
@@ -212,3 +192,13 @@ def _check_rates(turns: Array) -> None:
                 f"the motion goes {distance:.3g} rad in {duration:.3g} s from {begin:g} s on, at "
                 f"{rate:.3g} rad/s: give {low:g} to {high:g} rad/s"
             )
+
+
+PROVENANCE: tuple[Quantity, ...] = (
+    *(
+        Quantity(f"rig.{joint}.turn.{i}", turn, "rad", "Li et al. 2022, 3.1 and 5.1", "published")
+        for joint, turns in TURNS.items()
+        for i, turn in enumerate(turns, start=1)
+    ),
+    *quantities_of(RigConfig, "rig"),
+)

@@ -90,11 +90,6 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
     Returns:
         One record per curve; first-order curves are named after their turn, with two decimals, and
         the one of `config.motion` is named "motion".
-
-    Raises:
-        InputError: There is nothing to measure, a motion begins elsewhere or leaves the joint's
-            range or takes more than an hour, the suit is too stiff for the motor, or its torque
-            becomes infinite.
     """
     specimen = config.specimen()
     ways = _curves(config) if motions is None else _motions(config, specimen, motions)
@@ -225,12 +220,7 @@ def _rounded(values: Array, resolution: float | None) -> Array:
 
 
 def plan_motion(way: Way, time_step: float) -> Plan:
-    """Plans a motion through its reversals; it begins and ends at rest.
-
-    Args:
-        way: Reversals, and the rates between them; a short branch does not reach its rate.
-        time_step: Time between two steps [s].
-    """
+    """Plans a motion through reversals, from rest to rest; short branches miss their rate."""
     rest = np.array([[way.points[0]], [0.0], [0.0]])
     branches = (_branch(*branch, time_step) for branch in _branches(way))
     return Plan(*np.concatenate([rest, *branches], axis=1))

@@ -1,36 +1,55 @@
 """Kernels bound to the structs of arrays that they always work on.
 
+    >>> from typing import NamedTuple
+    >>> from numba import njit
+    >>> class Arms(NamedTuple):
+    ...     angle: np.ndarray
+    ...     step: float
+    >>> @njit
+    ... def turn(row, arms):
+    ...     arms.angle[row] += arms.step
+    >>> arms = Arms(angle=np.zeros((3, 2)), step=0.5)
+    >>> turn_one = bound(turn, (0,), arms)
+    >>> turn_one(1)
+    >>> arms.angle.tolist()
+    [[0.0, 0.0], [0.5, 0.5], [0.0, 0.0]]
+
 Numba takes each array of an argument apart at every call. For a control cycle with a hundred arrays
-that takes longer than the cycle of one arm. So addresses, shapes and strides of the arrays are
-written into a table once, and the compiled kernel reads the table.
+that takes longer than the cycle of one arm. So `bound` writes once where the arrays are, into a
+table of 64-bit words, and the machine code gets the address of the table alone:
+
+    table   word 0     1     2     3     4       5       6
+            address    size  rows  cols  stride  stride  step
+            of angle   6     3     2     16      8       0.5
+               |
+    memory     +----> 0.0  0.0  0.5  0.5  0.0  0.0     the array of NumPy itself
+
+`arms.angle` in a kernel reads words 0 to 5, `arms.step` word 6, and a struct within a struct is an
+address within the table. Numbers never change. Arrays change in place: write `arms.angle[:] = 0`.
+The function that `bound` returns keeps table and arrays alive; it cannot be pickled.
 """
 
 import math
 import struct
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 from numba import typeof, types
 from numba.core import cgutils
-from numba.extending import NativeValue, intrinsic, models, register_model, unbox
-
-T = TypeVar("T")
-
-
-class Frozen(Generic[T]):
-    """A tuple of structs as a bound kernel gets it; `thawed` returns the tuple."""
+from numba.core.imputils import lower_getattr_generic
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import NativeValue, infer_getattr, models, register_model, unbox
 
 
-def bound(kernel: Any, first: Sequence[Any], rest: tuple) -> Callable[..., Any]:
-    """Returns a function that calls a kernel with all arguments but the first ones given.
+def bound(kernel: Any, first: Sequence[Any], rest: Any) -> Callable[..., Any]:
+    """Returns a function that calls a kernel with all arguments but the last one.
 
     Args:
-        kernel: Kernel of numba, the last parameter of which is `Frozen`.
+        kernel: Kernel of numba.
         first: Examples of the arguments that differ from call to call; the real ones have to be of
             the same types, and arrays in the same order of memory.
-        rest: The tuple that `thawed` returns in the kernel: structs, arrays and numbers. Arrays are
-            not copied: the kernel sees later changes.
+        rest: The last argument, a named tuple of arrays, numbers and named tuples.
     """
     table = np.array(_words(rest), np.int64)
     code = kernel.compile((*map(_type, first), _Frozen(_type(rest))))
@@ -42,7 +61,7 @@ def bound(kernel: Any, first: Sequence[Any], rest: tuple) -> Callable[..., Any]:
 
 
 def _words(value: Any) -> list[int]:
-    """Returns a value as the 64-bit words from which `_read` makes it."""
+    """Returns a value as the 64-bit words from which `_member` makes it."""
     if isinstance(value, tuple):
         return [word for part in value for word in _words(part)]
     if isinstance(value, np.ndarray):
@@ -50,6 +69,14 @@ def _words(value: Any) -> list[int]:
     if isinstance(value, float):
         return [struct.unpack("q", struct.pack("d", value))[0]]
     return [int(value)]
+
+
+def _count(kind: Any) -> int:
+    """Returns the number of words of a value of a type."""
+    if isinstance(kind, types.BaseTuple):
+        members: Any = kind
+        return sum(map(_count, members))
+    return 2 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
 
 
 def _type(value: Any) -> Any:
@@ -70,13 +97,13 @@ def _type(value: Any) -> Any:
 
 
 class _Frozen(types.Type):
-    """Numba's type of `Frozen`: the address of a table of words.
+    """Numba's type of a named tuple that is a part of a table: the address of its first word.
 
     Args:
-        content: Type of the tuple that `thawed` returns.
+        content: Type of the named tuple.
     """
 
-    def __init__(self, content: types.BaseTuple) -> None:
+    def __init__(self, content: Any) -> None:
         self.content = content
         super().__init__(name=f"Frozen({content})")
 
@@ -92,52 +119,43 @@ def _unbox(kind: _Frozen, address: Any, c: Any) -> NativeValue:
     return NativeValue(c.pyapi.long_as_voidptr(address))
 
 
-def _thawed(typing_context: Any, frozen: _Frozen) -> Any:
-    """Returns the tuple to which a kernel is bound."""
+@infer_getattr
+class _MemberType(AttributeTemplate):
+    key = _Frozen
 
-    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-        table = builder.bitcast(given[0], cgutils.intp_t.as_pointer())
-        return _read(context, builder, frozen.content, table, 0)[0]
+    def generic_resolve(self, kind: _Frozen, name: str) -> Any:
+        if name not in kind.content.fields:
+            return None
+        member = kind.content[kind.content.fields.index(name)]
+        return _Frozen(member) if isinstance(member, types.BaseTuple) else member
 
-    return frozen.content(frozen), generate
 
-
-def _read(context: Any, builder: Any, kind: Any, table: Any, place: int) -> tuple[Any, int]:
-    """Returns a value of the table, and the place of the next one."""
+@lower_getattr_generic(_Frozen)
+def _member(context: Any, builder: Any, kind: _Frozen, address: Any, name: str) -> Any:
+    """Returns a member of a struct: an array, a number, or the address of a struct within."""
+    members = list(kind.content)
+    place = kind.content.fields.index(name)
+    first, member = sum(map(_count, members[:place])), members[place]
+    table = builder.bitcast(address, cgutils.intp_t.as_pointer())
 
     def word(i: int) -> Any:
-        return builder.load(cgutils.gep_inbounds(builder, table, place + i))
+        found = builder.load(cgutils.gep_inbounds(builder, table, first + i))
+        found.set_metadata("invariant.load", builder.module.add_metadata([]))  # see the top
+        return found
 
-    if isinstance(kind, types.BaseTuple):
-        members: Any = kind
-        parts = []
-        for part in members:
-            value, place = _read(context, builder, part, table, place)
-            parts.append(value)
-        return context.make_tuple(builder, kind, parts), place
-    if isinstance(kind, types.Array):
-        array, n = context.make_array(kind)(context, builder), kind.ndim
+    if isinstance(member, types.BaseTuple):
+        return builder.bitcast(cgutils.gep_inbounds(builder, table, first), cgutils.voidptr_t)
+    if isinstance(member, types.Array):
+        array, n = context.make_array(member)(context, builder), member.ndim
         array.data = builder.inttoptr(word(0), array.data.type)
-        size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
+        size = context.get_abi_sizeof(context.get_data_type(member.dtype))
         array.nitems, array.itemsize = word(1), context.get_constant(types.intp, size)
         array.shape = cgutils.pack_array(builder, [word(2 + i) for i in range(n)])
         array.strides = cgutils.pack_array(builder, [word(2 + n + i) for i in range(n)])
         array.meminfo = cgutils.get_null_value(array.meminfo.type)  # not counted: `bound` owns it
         array.parent = cgutils.get_null_value(array.parent.type)
-        return array._getvalue(), place + 2 + 2 * n
-    wanted = context.get_value_type(kind)
-    if isinstance(kind, types.Boolean):
-        value = builder.trunc(word(0), wanted)
-    else:
-        value = builder.bitcast(word(0), wanted)
-    return value, place + 1
-
-
-if TYPE_CHECKING:
-
-    def thawed(frozen: Frozen[T]) -> T:
-        """Returns the tuple to which a kernel is bound."""
-        ...
-
-else:
-    thawed = intrinsic(_thawed)
+        return array._getvalue()
+    wanted = context.get_value_type(member)
+    if isinstance(member, types.Boolean):
+        return builder.trunc(word(0), wanted)
+    return builder.bitcast(word(0), wanted)

@@ -1,60 +1,51 @@
-"""The control cycle: what happens to each row before and after the physics of a control period.
-
-The structs are those of `structs`.
-"""
+"""The control cycle: what happens to each row before and after the physics of a control period."""
 
 from numba import njit
 
 from ...arrays import Array
-from ..model.exoskeleton import clipped as within_heat
-from ..model.exoskeleton import heated
+from ..model.motors import clipped as within_heat
+from ..model.motors import heated
 from ..person.fatigue import RATES, loaded, tired
-from .bound_kernels import Frozen, thawed
 from .measurements import CONTINUOUS, EFFORT, PEAK, TIME, TIME_CONSTANT, is_finite, measure
-from .structs import (
-    Addresses,
-    Episode,
-    Index,
-    Intention,
-    Motors,
-    Muscles,
-    Physics,
-    Sensors,
-    Wearer,
-    Whole,
-)
-from .wearer_control import USUAL, act, contraction, feed_forward, learn, most
+from .structs import Arms, Index, Whole
+from .wearer_control import COCONTRACTION, act, contraction, feed_forward, learn, most
 
 
 @njit(inline="always")
-def drive(row: int, dt: float, physics: Physics, at: Addresses, motors: Motors) -> None:
-    """Sets motor torques from normalized commands, clipped by the thermal limit."""
-    ratings = motors.ratings
+def drive(row: int, arms: Arms) -> None:
+    """Sets motor torques from normalized commands, clipped by the thermal limit.
+
+    In the first control period motors have their torque at once, and the wearer, who has held the
+    arm alone, gives up as much. A rigid exoskeleton so begins without a jerk; on cuffs, which bear
+    nothing yet, the arm yields by some 0.01 rad.
+    """
+    physics, at, motors, feedback = arms.physics, arms.at, arms.motors, arms.wearer.feedback
+    step, dt, ratings = arms.episode.step[row], arms.episode.dt, motors.ratings
     for j in range(at.motors.shape[0]):
-        physics.ctrl[row, at.motors[j]] = within_heat(
+        torque = within_heat(
             motors.command[row, j] * ratings[PEAK, j],
             motors.mean_square[row, j],
             ratings[CONTINUOUS, j],
             ratings[TIME_CONSTANT, j],
             dt,
         )
+        torque = 0.0 if step * dt >= motors.fails[j] else torque
+        physics.ctrl[row, at.motors[j]] = torque
+        if step == 0:
+            physics.act[row, j] = torque
+            feedback.correction[row, at.assisted[j]] -= torque
+            for k in range(feedback.correction_goals.shape[1]):
+                feedback.correction_goals[row, k, at.assisted[j]] -= torque
 
 
 @njit(inline="always")
-def tire(
-    row: int,
-    now: Index,
-    dt: float,
-    physics: Physics,
-    at: Addresses,
-    intention: Intention,
-    muscles: Muscles,
-) -> None:
+def tire(row: int, now: Index, arms: Arms) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
+    physics, at, intention, muscles = arms.physics, arms.at, arms.intention, arms.muscles
     fatigued = muscles.fatigued
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]]
-        opposed = muscles.impedance[row, USUAL, j] + contraction(row, now, j, intention)
+        opposed = muscles.impedance[row, COCONTRACTION, j] + contraction(row, now, j, intention)
         angle = physics.qpos[row, at.joints[j]]
         for way in range(2):
             sign = 1.0 if way == 1 else -1.0
@@ -67,44 +58,33 @@ def tire(
                 RATES[1, j],
                 RATES[2, j],
                 RATES[3, j],
-                dt,
+                arms.episode.dt,
             )
 
 
 @njit(inline="always")
-def strain(
-    row: int,
-    now: Index,
-    physics: Physics,
-    at: Addresses,
-    intention: Intention,
-    muscles: Muscles,
-    sensors: Sensors,
-) -> None:
+def strain(row: int, now: Index, arms: Arms) -> None:
     """Measures effort: the load of the more loaded muscle group over its strength at rest."""
+    physics, at, intention, muscles = arms.physics, arms.at, arms.intention, arms.muscles
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]]
-        opposed = muscles.impedance[row, USUAL, j] + contraction(row, now, j, intention)
+        opposed = muscles.impedance[row, COCONTRACTION, j] + contraction(row, now, j, intention)
         angle, effort = physics.qpos[row, at.joints[j]], 0.0
         for way in range(2):
             pull = torque if way == 1 else -torque
             available = most(muscles.strength[row, way, j], way, j, angle, 0.0)
             effort = max(effort, (max(pull, 0.0) + opposed) / available)
-        sensors.measured[row, EFFORT + j] = effort
+        arms.sensors.measured[row, EFFORT + j] = effort
 
 
 @njit(cache=True, nogil=True)
-def before(
-    rows: Whole,
-    action: Array,
-    arms: Frozen[tuple[Physics, Addresses, Episode, Intention, Wearer, Muscles, Motors]],
-) -> None:
+def before(rows: Whole, action: Array, arms: Arms) -> None:
     """Applies the actions of some rows: sets the commands of their motors and wearers.
 
     `action` is the torque of the motors over their peaks, finite, shape (n, motors).
     """
-    physics, at, episode, intention, wearer, muscles, motors = thawed(arms)
-    learning = wearer.learning
+    episode, intention, motors = arms.episode, arms.intention, arms.motors
+    learning = arms.wearer.learning
     for k in range(rows.shape[0]):
         row = rows[k]
         beyond, step = False, episode.step[row]
@@ -117,32 +97,27 @@ def before(
         episode.clipped[row] += 1 if beyond else 0
         if episode.diverged[row]:
             continue
-        drive(row, episode.dt, physics, at, motors)
+        drive(row, arms)
         i = int(min(step + 1, intention.motion.angle.shape[1] - 1))
-        feed_forward(row, i, intention, wearer)
-        act(row, physics, at, episode, intention, wearer, muscles)
+        feed_forward(row, i, intention, arms.wearer)
+        act(row, arms)
         if learning.rate > 0.0 and i > learning.ahead:
-            learn(row, i - learning.ahead, intention, wearer)
+            learn(row, i - learning.ahead, intention, arms.wearer)
 
 
 @njit(cache=True, nogil=True)
-def after(
-    rows: Whole,
-    moved: bool,
-    arms: Frozen[tuple[Physics, Addresses, Episode, Intention, Muscles, Motors, Sensors]],
-) -> None:
+def after(rows: Whole, moved: bool, arms: Arms) -> None:
     """Measures some rows; if they have `moved`, updates motor heat and fatigue first.
 
     A row that has diverged keeps its last valid measurements, except the time.
     """
-    physics, at, episode, intention, muscles, motors, sensors = thawed(arms)
-    dt = episode.dt
+    physics, at, episode, motors = arms.physics, arms.at, arms.episode, arms.motors
     for k in range(rows.shape[0]):
         row = rows[k]
         if moved:
             episode.step[row] += 1
-        now = int(min(episode.step[row], intention.motion.angle.shape[1] - 1))
-        sensors.measured[row, TIME] = episode.step[row] * dt
+        now = int(min(episode.step[row], arms.intention.motion.angle.shape[1] - 1))
+        arms.sensors.measured[row, TIME] = episode.step[row] * episode.dt
         warned = 0
         for j in range(physics.warning.shape[1]):
             warned += physics.warning[row, j]
@@ -153,9 +128,9 @@ def after(
             for j in range(at.assist.shape[0]):
                 torque = float(physics.actuator_force[row, at.assist[j]])
                 motors.mean_square[row, j] = heated(
-                    motors.mean_square[row, j], torque, motors.ratings[TIME_CONSTANT, j], dt
+                    motors.mean_square[row, j], torque, motors.ratings[TIME_CONSTANT, j], episode.dt
                 )
-            if muscles.tires:
-                tire(row, now, dt, physics, at, intention, muscles)
-        measure(row, moved, physics, at, episode, intention, muscles, motors, sensors)
-        strain(row, now, physics, at, intention, muscles, sensors)
+            if arms.muscles.tires:
+                tire(row, now, arms)
+        measure(row, moved, arms)
+        strain(row, now, arms)

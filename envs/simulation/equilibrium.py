@@ -3,10 +3,9 @@
 import numpy as np
 from numba import njit
 
-from ...arrays import AnyArray
+from ...arrays import AnyArray, Array
 from ...kernels import inner
-from .bound_kernels import Frozen, thawed
-from .structs import Addresses, Equilibrium, Intention, Muscles, Physics, Wearer, Whole
+from .structs import Arms, Whole
 from .wearer_control import BASE, RELAXATION, SLOPE, contraction, feed_forward
 from .wearer_control import DAMPING as FIXED
 
@@ -19,28 +18,15 @@ FRESH, MOVED, DONE = range(3)
 
 
 @njit(cache=True)
-def begin(rows: Whole, arms: Frozen[tuple[Physics, Addresses, Intention, Wearer]]) -> None:
+def begin(rows: Whole, arms: Arms) -> None:
     """Puts some arms at their first intention, and computes the feed-forward torque."""
-    physics, at, intention, wearer = thawed(arms)
+    physics, at, intention = arms.physics, arms.at, arms.intention
     for k in range(rows.shape[0]):
         row = rows[k]
-        feed_forward(row, np.int64(0), intention, wearer)
+        feed_forward(row, np.int64(0), intention, arms.wearer)
         for j in range(4):
             physics.qpos[row, at.joints[j]] = intention.motion.angle[row, 0, j]
             physics.qpos[row, at.exo_joints[j]] = intention.motion.angle[row, 0, j]
-
-
-@njit(cache=True)
-def imbalance(rows: Whole, arms: Frozen[tuple[Physics, Addresses, Equilibrium]]) -> None:
-    """Computes the net torque on some arms at rest, negative where the arm would sink [N·m]."""
-    physics, at, rest = thawed(arms)
-    for k in range(rows.shape[0]):
-        row = rows[k]
-        for i in range(physics.qpos.shape[1]):
-            rest.torque[row, i] = physics.qfrc_passive[row, i] - physics.qfrc_bias[row, i]
-        for j in range(at.driven.shape[0]):
-            if j < rest.motor.shape[1]:
-                rest.torque[row, at.driven[j]] += rest.motor[row, j]
 
 
 @njit(cache=True)
@@ -55,17 +41,11 @@ def correct(
 ) -> int:
     """Moves exoskeletons that are not in equilibrium by a step; returns their number.
 
-    The step is quasi-Newton: Broyden's update improves the inverse slope.
-
-    Args:
-        rows: The rows, shape (k,).
-        torque: Net torque [N·m], shape (n, all dofs).
-        inverse: Inverse of its derivatives with respect to the angles, shape (k, d, d).
-        qpos: Angles, shape (n, all dofs).
-        dofs: Degrees of freedom of the exoskeleton alone, shape (d,).
-        moves: The last step of each row, the torque before it, and two scratch vectors of the
-            update, shape (k, 4, d).
-        status: FRESH before the first step, MOVED after it, `DONE` at the end, shape (k,).
+    The step is quasi-Newton: Broyden's update improves the inverse slope, shape (k, d, d), of the
+    net torque, shape (n, all dofs), with respect to the angles `dofs` of the exoskeleton alone.
+    `moves` has the last step of each row, the torque before it, and two scratch vectors of the
+    update, shape (k, 4, d). `status` is FRESH before the first step, MOVED after it, and `DONE` at
+    the end.
     """
     n, unbalanced = dofs.shape[0], 0
     for k in range(rows.shape[0]):
@@ -125,17 +105,18 @@ def _improve(
 
 
 @njit(cache=True)
-def hold(
-    rows: Whole, arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]]
-) -> None:
-    """Lets wearers hold still: the correction starts at what the feed-forward torque lacks."""
-    physics, at, intention, wearer, muscles, rest = thawed(arms)
-    ctrl, impedance, feedback = physics.ctrl, muscles.impedance, wearer.feedback
+def hold(rows: Whole, rest: Array, arms: Arms) -> None:
+    """Lets wearers hold still: the correction starts at what the feed-forward torque lacks.
+
+    `rest` is the net torque on arms at rest, without the wearer's [N·m], shape (n, dofs).
+    """
+    physics, at, intention, feedback = arms.physics, arms.at, arms.intention, arms.wearer.feedback
+    ctrl, impedance = physics.ctrl, arms.muscles.impedance
     for k in range(rows.shape[0]):
         row = rows[k]
         for j in range(4):
-            needed = -rest.torque[row, at.joints[j]]
-            feedback.correction[row, j] = needed - wearer.arm.torque[row, j]
+            needed = -rest[row, at.joints[j]]
+            feedback.correction[row, j] = needed - arms.wearer.arm.torque[row, j]
             feedback.correction_goals[row, :, j] = feedback.correction[row, j]
             tension = abs(needed) + contraction(row, np.int64(0), j, intention)
             stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * tension

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from ...arrays import AnyArray, Array
@@ -19,6 +18,8 @@ from .structs import Addresses, Reception, Whole
 RECEIVED = ("encoder_angle", "encoder_rate", "motor_torque", "interaction_torque", "emg")
 RECEIVED += ("cuff_sensor",)
 """Measurements that faults can change; a controller knows its last action and preview anyway."""
+RECEPTION = np.concatenate([np.r_[COLUMNS[name]] for name in RECEIVED])
+"""Columns of these measurements."""
 
 LATE, LOST = range(2)  # random numbers of a control period
 
@@ -65,33 +66,25 @@ class Faults:
 
 
 class FaultInjector:
-    """Puts faults into the readings that reach the controller, and tells which motors stop.
+    """Puts faults into the readings that reach the controller; `cycle.drive` stops motors.
 
-    Between two control periods the measurements are what the controller receives, and `sent` is
-    what the sensors read; within one it is the other way round, since sensors filter their own
-    readings.
-
-    Args:
-        faults: What fails.
-        measured: Measurements of all rows, shape (n, columns), which are changed in place.
-        reception: Memory of the readings.
-        addresses: Addresses of the model.
+    Between two control periods the measurements, shape (n, columns), are what the controller
+    receives, and `sent` is what the sensors read; within one it is the other way round, since
+    sensors filter their own readings.
     """
 
     def __init__(
         self, faults: Faults, measured: Array, reception: Reception, addresses: Addresses
     ) -> None:
         self._faults, self._measured, self._memory = faults, measured, reception
-        self._columns = np.concatenate([np.r_[COLUMNS[name]] for name in RECEIVED])
         self._limits: Array = np.array([ndtri(faults.late), ndtri(faults.lost)])
         stuck = np.array([JOINTS.index(joint) for joint in faults.stuck], np.int64)
-        self._stuck = np.isin(self._columns, np.r_[ENCODER + stuck, ENCODER_RATE + stuck])
-        self._rates = np.flatnonzero(np.isin(self._columns, ENCODER_RATE + stuck))
-        torque = np.isin(self._columns, INTERACTION + np.arange(4))
-        force = np.isin(self._columns, CUFF_SENSOR + np.arange(addresses.cuffs.size))
+        self._stuck = np.isin(RECEPTION, np.r_[ENCODER + stuck, ENCODER_RATE + stuck])
+        self._rates = np.flatnonzero(np.isin(RECEPTION, ENCODER_RATE + stuck))
+        torque = np.isin(RECEPTION, INTERACTION + np.arange(4))
+        force = np.isin(RECEPTION, CUFF_SENSOR + np.arange(addresses.cuffs.size))
         self._bias = faults.torque_bias * torque + faults.force_bias * force
         self._drift = faults.torque_drift * torque + faults.force_drift * force
-        self.stopped = np.array([ASSISTED.index(joint) for joint in faults.stopped], np.int64)
 
     def begin(self, rows: Whole) -> None:
         """Delivers the first readings of an episode."""
@@ -105,13 +98,9 @@ class FaultInjector:
         return received
 
     def deliver(self, rows: Whole, received: Array, time: AnyArray, draws: Array) -> None:
-        """Delivers new readings.
+        """Delivers new readings after a time since the reset [s]; `received` is that of `recall`.
 
-        Args:
-            rows: The rows, shape (k,).
-            received: What `recall` returned.
-            time: Time since the reset [s], shape (k,).
-            draws: Random numbers of the period, normally distributed, shape (k, 2).
+        `draws` are random numbers with a normal distribution, shape (k, 2).
         """
         sent, before = self._of(rows), self._memory.sent[rows]
         late, lost = (draws < self._limits).T[..., None]
@@ -122,21 +111,8 @@ class FaultInjector:
         kept[:, self._rates] = np.where(failed, 0.0, kept[:, self._rates])
         self._put(rows, kept)
 
-    def has_failed(self, time: AnyArray) -> NDArray[np.bool_]:
-        """Returns whether motors have stopped at times since the reset [s], of the same shape."""
-        return time >= self._faults.since
-
     def _of(self, rows: Whole) -> Array:
-        return self._measured[rows[:, None], self._columns]
+        return self._measured[rows[:, None], RECEPTION]
 
     def _put(self, rows: Whole, values: Array) -> None:
-        self._measured[rows[:, None], self._columns] = values
-
-
-def reception_of(n: int, stretch: int, *, used: bool) -> Reception:
-    """Returns the memory of readings of rows, without any if it is not used."""
-    columns = sum(COLUMNS[name].stop - COLUMNS[name].start for name in RECEIVED)
-    return Reception(
-        sent=np.zeros((n, columns if used else 0)),
-        fault_draws=np.zeros((n, stretch if used else 0, 2)),
-    )
+        self._measured[rows[:, None], RECEPTION] = values

@@ -44,9 +44,6 @@ class Chain:
         Args:
             arm: Model of an arm, such as that of `bare_arm`.
             dressed: Whether the links include suit and load; they never include an exoskeleton.
-
-        Raises:
-            InputError: The arm is no chain of four hinges.
         """
         joints = [arm.joint(joint).id for joint in JOINTS]
         bodies = arm.jnt_bodyid[joints]
@@ -191,14 +188,7 @@ def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None
 
 
 def arm_torques(chain: Chain, angle: Array, rate: Array, acceleration: Array) -> Array:
-    """Returns the torque that moves one bare arm along a motion [N·m], shape (samples, 4).
-
-    Args:
-        chain: The arm.
-        angle: Joint angles [rad], shape (samples, 4).
-        rate: Joint rates [rad/s], the same shape.
-        acceleration: Joint accelerations [rad/s²], the same shape.
-    """
+    """Returns the torque that moves a bare arm along a motion [N·m], all (samples, 4)."""
     arm, found = chain.rows(1), np.empty_like(angle)
     motion = Motions(angle[None].copy(), rate[None].copy(), acceleration[None].copy())
     along(found, arm, motion)

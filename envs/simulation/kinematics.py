@@ -92,19 +92,11 @@ class Arm:
         return self.torso + (places + self._shoulder) @ self._axes @ self.turn.T
 
     def postures(self, places: Array, start: Array) -> Array:
-        """Returns joint angles that bring the grip to places one after the other [rad].
+        """Returns joint angles that bring the grip to places in turn [rad], shape (samples, 4).
 
-        Abduction, shoulder and elbow move; the wrist keeps its angle.
-
-        Args:
-            places: Places of the grip [m], shape (samples, 3).
-            start: Angles from which the first posture is searched [rad], shape (4,).
-
-        Returns:
-            The angles, shape (samples, 4).
-
-        Raises:
-            InputError: A place is out of reach, or needs an angle outside the range of its joint.
+        Places are relative to the shoulder [m], shape (samples, 3). Abduction, shoulder and elbow
+        move; the wrist keeps its angle. The search for the first posture begins at `start`, shape
+        (4,).
         """
         wanted = (places + self._shoulder) @ self._axes
         found = np.empty((len(places), len(JOINTS)))
@@ -126,11 +118,8 @@ class Arm:
     def torque_of(self, angle: Array, force: Array) -> Array:
         """Returns the joint torques that withstand forces on the grip [N·m], shape (samples, 4).
 
-        That is minus J'F with the grip's Jacobian J.
-
-        Args:
-            angle: Joint angles [rad], shape (samples, 4).
-            force: Forces forward, outward and up [N], shape (samples, 3).
+        That is minus J'F with the grip's Jacobian J and forces F forward, outward and up [N], shape
+        (samples, 3).
         """
         found = np.empty((len(angle), len(JOINTS)))
         withstanding(
@@ -155,57 +144,28 @@ class Arm:
 def hand_jacobian(
     links: AnyArray, grip: AnyArray, angle: AnyArray, sample: int, found: AnyArray
 ) -> None:
-    """Computes place and Jacobian of the grip in the frame of the torso.
+    """Computes place and Jacobian of the grip in the frame of the torso, at a sample of angles.
 
-    Args:
-        links: Links of one arm, shape (4, 19).
-        grip: Place of the grip in the frame of the hand [m], shape (3,).
-        angle: Joint angles [rad], shape (samples, 4).
-        sample: Number of the sample.
-        found: Axis and origin of each joint, then the grip in the first three places of the last
-            row, shape (5, 6).
+    `found`, shape (5, 6), gets axis and origin of each joint, then the grip [m] in the first three
+    places of the last row.
     """
-    # Rows of the rotation from the frame of the link into that of the torso.
-    xx, xy, xz = 1.0, 0.0, 0.0
-    yx, yy, yz = 0.0, 1.0, 0.0
-    zx, zy, zz = 0.0, 0.0, 1.0
-    ox, oy, oz = 0.0, 0.0, 0.0
-    for i in range(4):
-        px, py, pz = links[i, POSITION], links[i, POSITION + 1], links[i, POSITION + 2]
-        ux, uy, uz = links[i, AXIS], links[i, AXIS + 1], links[i, AXIS + 2]
-        ox, oy, oz = (
-            ox + xx * px + xy * py + xz * pz,
-            oy + yx * px + yy * py + yz * pz,
-            oz + zx * px + zy * py + zz * pz,
-        )
-        found[i, 0] = xx * ux + xy * uy + xz * uz
-        found[i, 1] = yx * ux + yy * uy + yz * uz
-        found[i, 2] = zx * ux + zy * uy + zz * uz
-        found[i, 3], found[i, 4], found[i, 5] = ox, oy, oz
-        s, c = math.sin(angle[sample, i]), math.cos(angle[sample, i])
-        d = 1.0 - c
-        # Rodrigues' rotation about u.
-        axx, axy, axz = c + d * ux * ux, d * ux * uy - s * uz, d * ux * uz + s * uy
-        ayx, ayy, ayz = d * uy * ux + s * uz, c + d * uy * uy, d * uy * uz - s * ux
-        azx, azy, azz = d * uz * ux - s * uy, d * uz * uy + s * ux, c + d * uz * uz
-        xx, xy, xz = (
-            xx * axx + xy * ayx + xz * azx,
-            xx * axy + xy * ayy + xz * azy,
-            xx * axz + xy * ayz + xz * azz,
-        )
-        yx, yy, yz = (
-            yx * axx + yy * ayx + yz * azx,
-            yx * axy + yy * ayy + yz * azy,
-            yx * axz + yy * ayz + yz * azz,
-        )
-        zx, zy, zz = (
-            zx * axx + zy * ayx + zz * azx,
-            zx * axy + zy * ayy + zz * azy,
-            zx * axz + zy * ayz + zz * azz,
-        )
-    found[4, 0] = ox + xx * grip[0] + xy * grip[1] + xz * grip[2]
-    found[4, 1] = oy + yx * grip[0] + yy * grip[1] + yz * grip[2]
-    found[4, 2] = oz + zx * grip[0] + zy * grip[1] + zz * grip[2]
+    for k in range(3):
+        # Row k of the rotation from the frame of the link into that of the torso, and its origin.
+        x, y = 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0
+        z, origin = 1.0 if k == 2 else 0.0, 0.0
+        for i in range(4):
+            px, py, pz = links[i, POSITION], links[i, POSITION + 1], links[i, POSITION + 2]
+            ux, uy, uz = links[i, AXIS], links[i, AXIS + 1], links[i, AXIS + 2]
+            origin = origin + x * px + y * py + z * pz
+            found[i, k], found[i, 3 + k] = x * ux + y * uy + z * uz, origin
+            s, c = math.sin(angle[sample, i]), math.cos(angle[sample, i])
+            d = 1.0 - c
+            x, y, z = (  # Rodrigues' rotation about u
+                x * (c + d * ux * ux) + y * (d * uy * ux + s * uz) + z * (d * uz * ux - s * uy),
+                x * (d * ux * uy - s * uz) + y * (c + d * uy * uy) + z * (d * uz * uy + s * ux),
+                x * (d * ux * uz + s * uy) + y * (d * uy * uz - s * ux) + z * (c + d * uz * uz),
+            )
+        found[4, k] = origin + x * grip[0] + y * grip[1] + z * grip[2]
 
 
 @njit(cache=True)

@@ -7,23 +7,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ...arrays import AnyArray, Array
+from ...arrays import Array
 from ..provenance import Quantity, check_settings, quantities_of, setting
-from .bound_kernels import Frozen, thawed
 from .inverse_dynamics import arm_torque
-from .structs import (
-    Addresses,
-    BareArm,
-    Episode,
-    Intention,
-    Motors,
-    Muscles,
-    NoisySensors,
-    Physics,
-    Sensors,
-    Wearer,
-    Whole,
-)
+from .structs import Addresses, Arms, Physics, Whole
 from .wearer_control import feed_forward
 
 # Name and size of each measurement, in the order of their columns.
@@ -79,19 +66,6 @@ ENCODER, ENCODER_RATE, MOTOR, PREVIOUS, PREVIEW, INTERACTION, EMG = _STARTS[13:2
 CUFF_SENSOR, EFFORT = _STARTS[20:]
 
 
-def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:
-    """Returns quantities of one row that no sensor measures, by name: numbers, or new arrays."""
-    found: dict[str, Any] = {}
-    for name, part in columns.items():
-        if name in SENSED:
-            continue
-        if part.stop - part.start == 1:
-            found[name] = float(measured[part.start])
-        else:
-            found[name] = measured[part].reshape(SHAPES.get(name, -1)).copy()
-    return found
-
-
 @njit(inline="always")
 def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
     """Returns whether motion, suit torque and dissipated energy of a row are finite."""
@@ -105,21 +79,12 @@ def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
 
 
 @njit(inline="always")
-def measure(
-    row: int,
-    moved: bool,
-    physics: Physics,
-    at: Addresses,
-    episode: Episode,
-    intention: Intention,
-    muscles: Muscles,
-    motors: Motors,
-    sensors: Sensors,
-) -> None:
+def measure(row: int, moved: bool, arms: Arms) -> None:
     """Reads all measurements of a row; after motion, also adds the energies of the period."""
-    target, measured, sensordata = intention.motion.angle, sensors.measured, physics.sensordata
+    physics, at, sensors = arms.physics, arms.at, arms.sensors
+    target, measured, sensordata = arms.intention.motion.angle, sensors.measured, physics.sensordata
     last = target.shape[1] - 1
-    now = min(episode.step[row], last)
+    now = min(arms.episode.step[row], last)
     for j in range(4):
         measured[row, ANGLE + j] = physics.qpos[row, at.joints[j]]
         measured[row, RATE + j] = physics.qvel[row, at.joints[j]]
@@ -128,13 +93,13 @@ def measure(
         measured[row, SUIT + j] = 0.0
     for j in range(at.suited.shape[0]):
         measured[row, SUIT + at.suited[j]] += sensordata[row, at.suit_torque[j]]
-    work(row, moved, episode.dt, physics, at, motors, sensors)
+    work(row, moved, arms)
     for way in range(2):
         for j in range(4):
-            measured[row, FATIGUE + 4 * way + j] = muscles.fatigued[row, way, j]
+            measured[row, FATIGUE + 4 * way + j] = arms.muscles.fatigued[row, way, j]
     for j in range(at.cuffs.shape[0]):
         measured[row, CUFFS + j] = sensordata[row, at.cuffs[j]]
-    encode(row, moved, episode.dt, physics, at, sensors)
+    encode(row, moved, arms)
     for i in range(sensors.preview.shape[0]):
         later = min(now + sensors.preview[i], last)
         for j in range(at.assisted.shape[0]):
@@ -143,16 +108,10 @@ def measure(
 
 
 @njit(inline="always")
-def work(
-    row: int,
-    moved: bool,
-    dt: float,
-    physics: Physics,
-    at: Addresses,
-    motors: Motors,
-    sensors: Sensors,
-) -> None:
+def work(row: int, moved: bool, arms: Arms) -> None:
     """Measures the motors, and adds the work of wearer, motors and suit in the period."""
+    physics, at, motors, sensors = arms.physics, arms.at, arms.motors, arms.sensors
+    dt = arms.episode.dt
     measured, ratings, done = sensors.measured, motors.ratings, 0.0
     for j in range(4):
         done += abs(measured[row, HUMAN + j] * measured[row, RATE + j])
@@ -175,13 +134,12 @@ def work(
 
 
 @njit(inline="always")
-def encode(
-    row: int, moved: bool, dt: float, physics: Physics, at: Addresses, sensors: Sensors
-) -> None:
+def encode(row: int, moved: bool, arms: Arms) -> None:
     """Reads the encoders: counts, and low-passed differences of counts."""
+    sensors, dt = arms.sensors, arms.episode.dt
     measured, counts = sensors.measured, sensors.encoder_counts
     for j in range(4):
-        angle = physics.sensordata[row, at.encoders[j]] + sensors.encoder_offset[row, j]
+        angle = arms.physics.sensordata[row, arms.at.encoders[j]] + sensors.encoder_offset[row, j]
         shown = np.rint(angle / sensors.resolution)
         if moved:
             turned = (shown - counts[row, j]) * sensors.resolution / dt
@@ -239,21 +197,13 @@ def smoothing(cutoff: float | Array, dt: float) -> Any:
 
 
 @njit(inline="always")
-def touch(
-    row: int,
-    moved: bool,
-    physics: Physics,
-    at: Addresses,
-    episode: Episode,
-    arm: BareArm,
-    noisy: NoisySensors,
-    measured: Array,
-) -> None:
+def touch(row: int, moved: bool, arms: Arms) -> None:
     """Measures the torque between person and suit, delayed and noisy.
 
     It is the wearer's torque minus that of the bare arm in the present motion.
     """
-    present, delayed, step = noisy.present, noisy.interaction_delay, episode.step[row]
+    physics, at, arm, noisy = arms.physics, arms.at, arms.wearer.arm, arms.noisy
+    present, delayed, step = noisy.present, noisy.interaction_delay, arms.episode.step[row]
     for j in range(4):
         present.angle[row, 0, j] = physics.qpos[row, at.joints[j]]
         present.rate[row, 0, j] = physics.qvel[row, at.joints[j]]
@@ -270,21 +220,14 @@ def touch(
         else:
             for i in range(count):
                 delayed[row, i, j] = torque
-        measured[row, INTERACTION + j] = delayed[row, (place + 1) % count, j]
+        arms.sensors.measured[row, INTERACTION + j] = delayed[row, (place + 1) % count, j]
 
 
 @njit(inline="always")
-def listen(
-    row: int,
-    moved: bool,
-    episode: Episode,
-    intention: Intention,
-    wearer: Wearer,
-    noisy: NoisySensors,
-    measured: Array,
-) -> None:
+def listen(row: int, moved: bool, arms: Arms) -> None:
     """Measures the EMG: the voluntary torque `emg_lead` samples ahead, noisy, low-passed."""
-    step = episode.step[row]
+    intention, wearer, noisy = arms.intention, arms.wearer, arms.noisy
+    step, measured = arms.episode.step[row], arms.sensors.measured
     soon = int(min(step + noisy.emg_lead, intention.motion.angle.shape[1] - 1))
     feed_forward(row, soon, intention, wearer)
     for j in range(4):
@@ -300,24 +243,20 @@ def listen(
 
 
 @njit(cache=True, nogil=True)
-def sense(
-    rows: Whole,
-    moved: bool,
-    arms: Frozen[tuple[Physics, Addresses, Episode, Intention, Wearer, NoisySensors, Array]],
-) -> None:
+def sense(rows: Whole, moved: bool, arms: Arms) -> None:
     """Reads the noisy sensors of some rows, after the control period's measurements."""
-    physics, at, episode, intention, wearer, noisy, measured = thawed(arms)
+    noisy, measured = arms.noisy, arms.sensors.measured
     for k in range(rows.shape[0]):
         row = rows[k]
-        if episode.diverged[row]:
+        if arms.episode.diverged[row]:
             continue
-        step = episode.step[row]
-        for j in range(at.cuffs.shape[0]):
+        step = arms.episode.step[row]
+        for j in range(arms.at.cuffs.shape[0]):
             force = measured[row, CUFFS + j]
             if moved:
                 draws = noisy.sensor_draws
                 noise = draws[row, (step - 1) % draws.shape[1], CUFF_NOISES + j]
                 force += noisy.noise_scale[row] * noisy.cuff_noise * noise
             measured[row, CUFF_SENSOR + j] = force
-        touch(row, moved, physics, at, episode, wearer.arm, noisy, measured)
-        listen(row, moved, episode, intention, wearer, noisy, measured)
+        touch(row, moved, arms)
+        listen(row, moved, arms)

@@ -24,12 +24,9 @@ LOADED = ("body_pos", "body_mass", "body_inertia")
 class Variety:
     """What may differ between the rows of a simulation, beside their motions.
 
-    Attributes:
-        wearers: Persons, of whom each row has one; with none, all have that of the configuration.
-        suits: Suits that rows may have instead of the compiled one.
-        misalignments: Whether the exoskeleton may sit differently on each wearer.
-        loads: Whether rows may have loads of their own.
-        places: Whether rows may have a gravity of their own.
+    `wearers` and `suits` are those that rows may have instead of the configured ones; the others
+    say whether the exoskeleton may sit differently on each wearer, and whether rows may have loads
+    and a gravity of their own.
     """
 
     wearers: tuple[Person, ...] = ()
@@ -114,12 +111,8 @@ class RowModels:
     ) -> None:
         """Writes wearer, misalignment, load and gravity of some rows into their models.
 
-        Args:
-            rows: The rows, shape (k,).
-            wearer: Number of the wearer of every row, shape (n,).
-            misalignment: Displacement of the exoskeleton of every row [m], shape (n, 3).
-            load: Mass of the load of every row [kg], shape (n,).
-            fall: Acceleration of free fall of every row [m/s²], shape (n,).
+        All arrays but `rows` are of all rows: number of the wearer, displacement of the exoskeleton
+        [m], shape (n, 3), mass of the load [kg], and acceleration of free fall [m/s²].
         """
         variety = self._variety
         if variety.places:

@@ -1,6 +1,18 @@
-"""Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo."""
+"""Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo.
 
-import math
+    >>> from activesuit.envs.person import VoluntaryControl
+    >>> options = SimulationOptions(samples=101, control_dt=0.01, control=VoluntaryControl())
+    >>> arms = Simulation(ArmConfig(suit="none"), 2, options)
+    >>> arms.state.intention.motion.angle.shape, arms.measured("angle").shape
+    ((2, 101, 4), (2, 4))
+
+`begin` puts some rows at rest at the start of their intention, and `step` moves rows by one control
+period. Row i is the same to the last bit whatever the other rows do, for any number of rows and
+threads: kernels get the index of a row, and draw no random numbers. `state`, `plugin_state`,
+`sensordata` and `measured` are views of the arrays in which the kernels write: copy what shall last
+beyond the next call.
+"""
+
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -18,37 +30,22 @@ from ...hysteresis.engine import replace_model, take_off
 from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
-from ..person import VoluntaryControl
 from . import compiling, equilibrium
 from .bound_kernels import bound
 from .cycle import after, before
-from .faults import FaultInjector, Faults, reception_of
+from .episode_plan import Plan, checked_plan
+from .faults import FaultInjector, Faults
 from .inverse_dynamics import Chain, arm_torques
 from .kinematics import Arm
-from .measurements import COLUMNS, Sensing, sense
-from .plan import Plan, checked_plan
-from .row_models import RowModels, Variety
-from .state import (
-    KEPT,
-    STRETCH,
-    State,
-    conditions_of,
-    episodes_of,
-    intention_of,
-    motors_of,
-    muscles_of,
-    noisy_sensors_of,
-    sensors_of,
-    stream,
-    wearer_of,
-)
-from .structs import Addresses, Equilibrium, Physics
+from .measurements import COLUMNS, sense
+from .row_models import RowModels
+from .state import KEPT, STRETCH, SimulationOptions, state_of, stream
+from .structs import Addresses, Arms, Physics, saved
 
 Rows = NDArray[np.int64]
 
 VELOCITIES = mujoco.mjtStage.mjSTAGE_VEL.value
 NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
-PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observation
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,17 +97,8 @@ class Simulation:
     Args:
         config: Configuration of the arms.
         n: Number of rows.
-        samples: Number of samples of an intention.
-        control_dt: Control period [s].
-        control: The wearer's control of the arm.
-        fatigue: Whether effort tires the wearers.
-        sensing: Noise, delay and bandwidth of sensors.
-        faults: Faults of sensors and motors.
-        noisy: Whether the sensors that have noise are read, which takes time.
-        variety: What may differ between rows.
+        options: What the rows have in common.
         edits: What a task adds to the model.
-        carries: Whether loads change during an episode; rows then may have loads of their own.
-        learned: Whether episodes may begin with what the wearers have learned for them.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
@@ -120,6 +108,7 @@ class Simulation:
         suit: Joints that the compiled suit resists, at its operating pressure.
         ranges: Ranges of the bare arm's joints [rad], shape (4, 2); intentions stay inside.
         columns: Columns of the measurements that these arms have, by name.
+        bounds: Lowest and highest number of each array of a saved state, by name.
         batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
         sensordata: Sensors of the physics, a view of shape (n, size).
@@ -129,61 +118,36 @@ class Simulation:
         self,
         config: ArmConfig,
         n: int,
-        *,
-        samples: int,
-        control_dt: float,
-        control: VoluntaryControl,
-        fatigue: bool,
-        sensing: Sensing,
-        faults: Faults,
-        noisy: bool,
-        variety: Variety,
-        edits: Edits | None,
-        carries: bool,
-        learned: bool,
-        threads: int,
+        options: SimulationOptions,
+        edits: Edits | None = None,
+        threads: int = 1,
     ) -> None:
         compiling.begin(before)
-        self.config, self.control, self.fatigue = config, control, fatigue
-        self.sensing, self._noisy = sensing, noisy
-        self._row_models, self._variety = RowModels(config, variety, edits), variety
-        self._carries = carries
-        self.model = self._row_models.model
-        self.n, self.samples, self.control_dt = n, samples, control_dt
-        self.substeps = round(control_dt / config.timestep)
-        self.addresses = Addresses.of(self.model)
+        self.config, self.n, self._options = config, n, options
+        self.control, self.fatigue, self.sensing = options.control, options.fatigue, options.sensing
+        self.samples, self.control_dt = options.samples, options.control_dt
+        variety, self.faults = options.variety, options.faults
+        models = self._row_models = RowModels(config, variety, edits)
+        self.model, self.addresses = models.model, Addresses.of(models.model)
+        self.substeps = round(self.control_dt / config.timestep)
         self._pushed = self.addresses.pushes.size > 0
         self.ranges = bare_arm(config).jnt_range
         self.suit = resisting_joints(config)
         self._joints = set(self.suit).union(*(suit.joints for suit in variety.suits))
-        at, dt = self.addresses, control_dt
-        motors = list(config.exo.motors.values())[: at.motors.size]
-        continuous = [motor.continuous_torque for motor in motors]
-        constants = [motor.thermal_time_constant for motor in motors]
-        preview = np.array([round(ahead / dt) for ahead in PREVIEW])
-        resolution = math.tau / 2**config.exo.encoder_bits
-        strength, impedance = self._row_models.strengths[0], self._impedance_of(0)
-        self.state = State(
-            episode=episodes_of(n, samples, dt),
-            conditions=conditions_of(n, samples if carries else 0, samples if self._pushed else 0),
-            intention=intention_of(n, samples, learned=learned),
-            wearer=wearer_of(n, self._row_models.chains[0], control, dt),
-            muscles=muscles_of(n, strength, impedance, tires=fatigue),
-            motors=motors_of(n, np.array([at.peak_torque, continuous, constants])),
-            sensors=sensors_of(n, preview, resolution, sensing, dt),
-            noisy=noisy_sensors_of(n, sensing, dt, used=noisy),
-            reception=reception_of(n, STRETCH, used=faults != Faults()),
-        )
-        self.faults, self._injector = faults, None
-        if faults != Faults():
+        arm = models.chains[0], models.strengths[0], self._impedance_of(0)
+        self.state = state_of(n, config, options, self.addresses, arm)
+        self._injector = None
+        if self.faults != Faults():
             received = self.state.sensors.measured, self.state.reception
-            self._injector = FaultInjector(faults, *received, at)
+            self._injector = FaultInjector(self.faults, *received, self.addresses)
         self._saved = self.state.arrays()
+        self.bounds = {name: (one.low, one.high) for name, (_, one) in saved(self.state).items()}
+        self.bounds["wearer"] = (0, len(models.persons) - 1)
         self._cleared = [values for name, values in self._saved.items() if name not in KEPT]
         muscles_draw = self.state.wearer.noise.muscle_draws.size > 0
-        self._draws = noisy or muscles_draw or self._injector is not None
+        self._draws = options.noisy or muscles_draw or self._injector is not None
         self.columns = self._measured_columns()
-        self._all, self._waiting = np.arange(n), set[int]()
+        self._all = np.arange(n)
         self._begin_physics(threads)
 
     # --- Episodes -----------------------------------------------------------------------------
@@ -195,19 +159,14 @@ class Simulation:
 
         The posture is in equilibrium: the slow correction starts at the torque that the
         feed-forward torque lacks. Strength does not limit it there: a wearer who is too weak drops
-        the arm afterwards. At the first step the motors start at the commanded torque and the
-        wearer at the remainder, so that there is no start-up transient. Seeds and numbers of the
-        episodes must be in `state` before the call.
+        the arm afterwards. Motors begin without torque; see `cycle.drive` for the first control
+        period. Seeds and numbers of the episodes must be in `state` before the call.
 
         Args:
             rows: The rows, shape (k,).
             start_of: Function that returns the start of the episode of a row.
             learned: What the wearers have learned [N·m], shape (k, samples, 4) each, by the names
                 of `Intention`.
-
-        Raises:
-            InputError: A load is too heavy, or a suit does not fit the model; the rows then
-                need another reset.
         """
         learning = self.state.wearer.learning
         for values in self._cleared:
@@ -219,9 +178,7 @@ class Simulation:
         for row in rows.tolist():
             self._write_start(row, start_of(row))
         self._write_differences(rows)
-        self._rest.motor[rows] = 0.0
         self._equilibrate(rows)
-        self._waiting.update(rows.tolist())
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
         self.batch.forward(self._ids(rows))
@@ -246,20 +203,14 @@ class Simulation:
             )
         moving = self._all if rows is None else rows
         received = self._injector.recall(moving) if self._injector else None
-        if self._waiting:
-            self._take_over(action, moving)
         if self._draws:
             self._draw_noise(moving)
-        if self._carries:
+        if self._options.carries:
             self._exchange(moving)
         if self._pushed:
             now = self.state.conditions.push[moving, self._sample(moving)]
             self._ctrl[moving[:, None], self.addresses.pushes] = now
         self._before(moving, action)
-        if self._injector:
-            time = self.state.episode.step[moving] * self.control_dt
-            stopped = moving[self._injector.has_failed(time)]
-            self._ctrl[stopped[:, None], self.addresses.motors[self._injector.stopped]] = 0.0
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         self._after(moving, True)
         if self._sense:
@@ -271,7 +222,7 @@ class Simulation:
 
     def checked(self, plan: Plan) -> Plan:
         """Returns a plan that these arms can carry out; raises an InputError otherwise."""
-        carries, pushes = self._carries, self._pushed
+        carries, pushes = self._options.carries, self._pushed
         return checked_plan(plan, self.samples, self.ranges, carries=carries, pushes=pushes)
 
     def arm_of(self, wearer: int) -> Arm:
@@ -287,14 +238,7 @@ class Simulation:
         return replace(chain, gravity=self.state.wearer.arm.gravity[row, None].copy())
 
     def own_torque(self, rows: Rows) -> Array:
-        """Returns the torque that moves the bare arms along their intentions [N·m].
-
-        Args:
-            rows: The rows, shape (k,).
-
-        Returns:
-            The torques, shape (k, samples, 4).
-        """
+        """Returns the torque of bare arms along their intentions [N·m], (k, samples, 4)."""
         motion, found = self.state.intention.motion, []
         for row in rows.tolist():
             chain = self._row_models.chains[self.state.conditions.wearer[row]]
@@ -320,8 +264,6 @@ class Simulation:
         for name, values in self._saved.items():
             values[rows] = state[name]
         self._write_differences(rows)
-        self._waiting.difference_update(rows.tolist())
-        self._waiting.update(rows[self.state.episode.step[rows] == 0].tolist())
         self.batch.forward(rows, stage=VELOCITIES)
 
     def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
@@ -342,7 +284,7 @@ class Simulation:
         absent = set() if at.cuffs.size else {"cuff_force", "cuff_sensor"}
         if not self.fatigue:
             absent.add("fatigue")
-        if not self._noisy:
+        if not self._options.noisy:
             absent |= {"interaction_torque", "emg", "cuff_sensor"}
         if not at.motors.size:
             absent |= {"motor_load", "motor_torque", "previous_action"}
@@ -355,28 +297,21 @@ class Simulation:
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()
         self._row_models.begin(batch)
-        self._time, self._current = batch.bind("time"), batch.bind("act")
+        self._time = batch.bind("time")
         self.plugin_state = batch.bind("plugin_state")
         physics, at, state = Physics.of(batch), self.addresses, self.state
         self._qpos, self._ctrl = physics.qpos, physics.ctrl
+        self._passive, self._bias = physics.qfrc_passive, physics.qfrc_bias
         self.sensordata = physics.sensordata
         self._free = np.setdiff1d(at.exo_joints, at.joints)
-        rest = self._rest = Equilibrium(
-            torque=np.zeros((self.n, self.model.nq)), motor=np.zeros((self.n, at.motors.size))
-        )
+        self._rest = np.zeros((self.n, self.model.nv))
         rows, action = self._all, np.empty((self.n, at.motors.size))
-        intended = (physics, at, state.intention, state.wearer)
-        self._begin_rest = bound(equilibrium.begin, (rows,), intended)
-        self._imbalance = bound(equilibrium.imbalance, (rows,), (physics, at, rest))
-        self._hold = bound(equilibrium.hold, (rows,), (*intended, state.muscles, rest))
-        here = (physics, at, state.episode, state.intention)
-        muscles, motors, sensors = state.muscles, state.motors, state.sensors
-        self._before = bound(before, (rows, action), (*here, state.wearer, muscles, motors))
-        self._after = bound(after, (rows, True), (*here, muscles, motors, sensors))
-        self._sense = None
-        if self._noisy:
-            noisy = (*here, state.wearer, state.noisy, sensors.measured)
-            self._sense = bound(sense, (rows, True), noisy)
+        arms = Arms(physics, at, *(getattr(state, name) for name in Arms._fields[2:]))
+        self._begin_rest = bound(equilibrium.begin, (rows,), arms)
+        self._hold = bound(equilibrium.hold, (rows, self._rest), arms)
+        self._before = bound(before, (rows, action), arms)
+        self._after = bound(after, (rows, True), arms)
+        self._sense = bound(sense, (rows, True), arms) if self._options.noisy else None
 
     def _write_start(self, row: int, start: Start) -> None:
         state, conditions, plan = self.state, self.state.conditions, start.plan
@@ -387,7 +322,7 @@ class Simulation:
         conditions.wearer[row], conditions.misalignment[row] = start.wearer, start.misalignment
         self._row_models.strap(self.plugin_state[row], start.wearer, start.misalignment)
         conditions.load[row] = (start.payload or self.config.payload).mass
-        if self._carries:
+        if self._options.carries:
             carried = conditions.load[row] + (0.0 if plan.mass is None else plan.mass)
             conditions.carried[row] = carried
             heaviest = conditions.carried[row].max()
@@ -420,22 +355,6 @@ class Simulation:
     def _impedance_of(self, wearer: int) -> Array:
         return self.control.impedance(self._row_models.persons[wearer])
 
-    def _take_over(self, action: Array, moving: Rows) -> None:
-        """Starts motors at the first commanded torque, and wearers at the remainder."""
-        waiting = [row for row in moving.tolist() if row in self._waiting]
-        if not waiting:
-            return
-        rows, at = np.array(waiting), self.addresses
-        self._waiting.difference_update(waiting)
-        if not at.motors.size:
-            return
-        torque = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
-        if self._injector and self._injector.has_failed(np.zeros(1))[0]:
-            torque[:, self._injector.stopped] = 0.0
-        self._rest.motor[rows] = self._current[rows] = torque
-        self._ctrl[rows[:, None], at.motors] = torque
-        self._equilibrate(rows)
-
     def _equilibrate(self, rows: Rows) -> None:
         """Puts arms at rest at their first intention, and exoskeletons at rest on their cuffs."""
         self._begin_rest(rows)
@@ -445,7 +364,7 @@ class Simulation:
             if not unbalanced.size:
                 break
             unbalanced = self._balance(unbalanced)
-        self._hold(rows)
+        self._hold(rows, self._rest)
 
     def _balance(self, rows: Rows) -> Rows:
         """Moves exoskeletons toward rest on their cuffs; returns rows that have not converged."""
@@ -460,11 +379,9 @@ class Simulation:
         inverse: AnyArray = np.linalg.inv(slope)
         moves = np.zeros((len(rows), 4, free.size))
         status = np.full(len(rows), equilibrium.FRESH)
-        self._rest.torque[rows] = torque
+        self._rest[rows] = torque
         for _ in range(equilibrium.MOST_CORRECTIONS):
-            if not equilibrium.correct(
-                rows, self._rest.torque, inverse, self._qpos, free, moves, status
-            ):
+            if not equilibrium.correct(rows, self._rest, inverse, self._qpos, free, moves, status):
                 break
             self._needed(rows)
         return rows[status != equilibrium.DONE]
@@ -472,8 +389,8 @@ class Simulation:
     def _needed(self, rows: Rows) -> Array:
         """Returns the net torque on arms at rest, without the wearer's, shape (k, dofs)."""
         self.batch.forward(self._ids(rows), stage=VELOCITIES)
-        self._imbalance(rows)
-        return self._rest.torque[rows]
+        self._rest[rows] = self._passive[rows] - self._bias[rows]
+        return self._rest[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
@@ -482,12 +399,12 @@ class Simulation:
         models, conditions, muscles = self._row_models, self.state.conditions, self.state.muscles
         wearer, arm = conditions.wearer, self.state.wearer.arm
         models.write(rows, wearer, conditions.misalignment, conditions.load, conditions.free_fall)
-        for row in rows.tolist() if self._variety.wearers else ():
+        for row in rows.tolist() if self._options.variety.wearers else ():
             chain = models.chains[wearer[row]]
             arm.links[row], arm.gravity[row] = chain.links[0], chain.gravity[0]
             muscles.strength[row] = models.strengths[wearer[row]]
             muscles.impedance[row] = self._impedance_of(int(wearer[row]))
-        if self._variety.places:
+        if self._options.variety.places:
             arm.gravity[rows] = conditions.free_fall[rows, None] * models.chains[0].down
 
     def _put_on(self, row: int, suit: Mapping[str, SuitJoint]) -> None:

@@ -3,6 +3,7 @@
 import math
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import mujoco
@@ -10,15 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...assets import JOINTS
 from ...checks import HIGHEST_SEED
 from ...errors import InputError, shown
-from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT
+from ..model import ArmConfig
+from ..model.encoders import count_of
 from ..person import VoluntaryControl
 from ..person.control import noise_constants, sight_periods
+from .faults import RECEPTION, Faults
 from .inverse_dynamics import Chain
 from .measurements import NOISES, WIDTH, Sensing, smoothing
+from .row_models import Variety
 from .structs import (
+    LARGEST,
+    Addresses,
     Conditions,
     Episode,
     Feedback,
@@ -32,23 +37,18 @@ from .structs import (
     Reception,
     Sensors,
     Wearer,
-    Whole,
+    allocated,
     saved,
 )
 from .wearer_control import FEATURES
 
 
 def stream(seed: int, episode: int, purpose: str, part: int = 0) -> np.random.Generator:
-    """Returns the generator of one purpose in one episode.
+    """Returns the generator of one purpose, such as "motion", in one episode of a seed.
 
     Draws for one purpose do not change those for another, nor those of other rows of a vector
-    environment, in whatever order they are made.
-
-    Args:
-        seed: Seed of the row.
-        episode: Number of the episode since the row was seeded.
-        purpose: Name of the purpose, such as "motion".
-        part: Number of the stretch of the episode, for series that are drawn in stretches.
+    environment, in whatever order they are made. `part` is the number of the stretch of the
+    episode, for series that are drawn in stretches.
     """
     return np.random.default_rng((seed, episode, zlib.crc32(purpose.encode()), part))
 
@@ -61,6 +61,9 @@ def fresh_seed() -> int:
 STRETCH = 64  # control periods for which random numbers are drawn at once
 KEPT = ("seed", "episode", "limit", "angle", "rate", "acceleration", "next_gains")
 """Arrays of the state that the next episode takes over, or overwrites whole."""
+
+
+PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observation
 
 
 class State(NamedTuple):
@@ -78,169 +81,139 @@ class State(NamedTuple):
 
     def arrays(self) -> dict[str, NDArray]:
         """Returns the arrays of the state themselves, by name, without constants and scratch."""
-        return saved(self)
+        return {name: values for name, (values, _) in saved(self).items()}
 
 
-def episodes_of(n: int, samples: int, dt: float) -> Episode:
-    """Returns the counters of rows before their first reset."""
-    return Episode(
-        seed=np.zeros(n, np.int64),
-        episode=np.full(n, -1),
-        step=np.zeros(n, np.int64),
-        limit=np.full(n, samples - 1),
-        clipped=np.zeros(n, np.int64),
-        diverged=np.zeros(n, np.bool_),
-        dt=dt,
-    )
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulationOptions:
+    """What the rows of a simulation have in common, beside the configuration of the arms.
+
+    Attributes:
+        samples: Number of samples of an intention.
+        control_dt: Control period [s].
+        control: The wearer's control of the arm.
+        fatigue: Whether effort tires the wearers.
+        sensing: Noise, delay and bandwidth of sensors.
+        faults: Faults of sensors and motors.
+        variety: What may differ between rows.
+        noisy: Whether the sensors that have noise are read, which takes time.
+        carries: Whether loads change during an episode; rows then may have loads of their own.
+        learned: Whether episodes may begin with what the wearers have learned for them.
+    """
+
+    samples: int
+    control_dt: float
+    control: VoluntaryControl
+    fatigue: bool = False
+    sensing: Sensing = field(default_factory=Sensing)
+    faults: Faults = field(default_factory=Faults)
+    variety: Variety = field(default_factory=Variety)
+    noisy: bool = False
+    carries: bool = False
+    learned: bool = False
 
 
-def conditions_of(n: int, masses: int, pushes: int) -> Conditions:
-    """Returns the conditions of rows, with masses and pushes at so many samples."""
-    return Conditions(
-        wearer=np.zeros(n, np.int64),
-        misalignment=np.zeros((n, 3)),
-        load=np.zeros(n),
-        free_fall=np.zeros(n),
-        carried=np.zeros((n, masses)),
-        push=np.zeros((n, pushes, 3)),
-    )
+def state_of(
+    n: int,
+    config: ArmConfig,
+    options: SimulationOptions,
+    at: Addresses,
+    arm: tuple[Chain, Array, Array],
+) -> State:
+    """Returns the state of rows before their first reset.
 
-
-def intention_of(n: int, samples: int, *, learned: bool) -> Intention:
-    """Returns the intentions of rows, which take what was learned for them or not."""
-    size = (n, samples if learned else 0, len(JOINTS))
-    return Intention(motions_of(n, samples), np.zeros(size), np.zeros(size))
-
-
-def motions_of(n: int, samples: int) -> Motions:
-    """Returns motions of rows with so many samples."""
-    return Motions(*(np.zeros((n, samples, len(JOINTS))) for _ in range(3)))
-
-
-def wearer_of(n: int, chain: Chain, control: VoluntaryControl, dt: float) -> Wearer:
-    """Returns wearers of rows with the same bare arm."""
-    joints, features = len(JOINTS), FEATURES if control.learns else 0
-    draws = STRETCH if control.noise > 0 or control.tremor > 0 else 0
-    return Wearer(
-        arm=chain.rows(n),
-        feedback=Feedback(
-            reflex=np.zeros((n, joints)),
-            correction=np.zeros((n, joints)),
-            correction_goals=np.zeros((n, 3, joints)),
-            reflex_delay=np.zeros((n, round(control.delay / dt), joints)),
-            correction_delay=np.zeros((n, sight_periods(dt), joints)),
-            needed=np.zeros((n, joints)),
-            **control.feedback(dt),
+    `arm` is what all rows have at first: the bare arm, isometric strength, and impedance.
+    """
+    control, sensing, faults = options.control, options.sensing, options.faults
+    samples, dt, noisy = options.samples, options.control_dt, options.noisy
+    chain, strength, impedance = arm
+    fails, varies = faults != Faults(), control.noise > 0 or control.tremor > 0
+    motors = dict([*config.exo.motors.items()][: at.motors.size])
+    heat = [(one.continuous_torque, one.thermal_time_constant) for one in motors.values()]
+    stopped = [faults.since if joint in faults.stopped else math.inf for joint in motors]
+    sizes = {
+        **{
+            "n": n,
+            "samples": samples,
+            "learned": samples if options.learned else 0,
+            "motors": len(motors),
+        },
+        **{"masses": samples if options.carries else 0, "pushes": samples if at.pushes.size else 0},
+        **{"features": FEATURES, "gains": FEATURES if control.learns else 0},
+        **{"reflex_delay": round(control.delay / dt), "sight": sight_periods(dt)},
+        **{"muscle_draws": STRETCH if varies else 0, "sensor_draws": STRETCH if noisy else 0},
+        "interaction_delay": 1 + (round(sensing.interaction_delay / dt) if noisy else 0),
+        **{"fault_draws": STRETCH if fails else 0, "received": RECEPTION.size if fails else 0},
+        **{"measurements": WIDTH, "noises": NOISES},
+    }
+    state = State(
+        episode=allocated(Episode, sizes, dt=dt),
+        conditions=allocated(Conditions, sizes),
+        intention=allocated(Intention, sizes, motion=allocated(Motions, sizes)),
+        wearer=Wearer(
+            arm=chain.rows(n),
+            feedback=allocated(Feedback, sizes, **control.feedback(dt)),
+            learning=allocated(Learning, sizes, **control.learning(dt)),
+            noise=allocated(
+                MuscleNoise,
+                sizes,
+                recursion=noise_constants(dt),
+                noise=control.noise,
+                tremor=control.tremor,
+            ),
         ),
-        learning=Learning(
-            gains=np.zeros((n, joints, features)),
-            next_gains=np.zeros((n, joints, features)),
-            features=np.zeros((n, joints, FEATURES)),
-            **control.learning(dt),
+        muscles=allocated(
+            Muscles,
+            sizes,
+            strength=np.tile(strength, (n, 1, 1)),
+            impedance=np.tile(impedance, (n, 1, 1)),
+            tires=options.fatigue,
         ),
-        noise=MuscleNoise(
-            muscle_noise=np.zeros((n, 3, joints)),
-            muscle_draws=np.zeros((n, draws, 3, joints)),
-            recursion=noise_constants(dt),
-            noise=control.noise,
-            tremor=control.tremor,
+        motors=allocated(
+            Motors,
+            sizes,
+            ratings=np.vstack([at.peak_torque, np.reshape(heat, (-1, 2)).T]),
+            fails=np.array(stopped),
         ),
+        sensors=allocated(
+            Sensors,
+            sizes,
+            preview=np.array([round(ahead / dt) for ahead in PREVIEW]),
+            resolution=count_of(config.exo.encoder_bits),
+            smoothing=smoothing(sensing.rate_cutoff, dt),
+        ),
+        noisy=allocated(
+            NoisySensors,
+            sizes,
+            present=allocated(Motions, {**sizes, "samples": 1}),
+            interaction_noise=sensing.interaction_noise,
+            cuff_noise=sensing.cuff_noise,
+            emg_noise=sensing.emg_noise,
+            emg_lead=round(sensing.emg_lead / dt),
+            emg_smoothing=smoothing(sensing.emg_cutoff, dt),
+        ),
+        reception=allocated(Reception, sizes),
     )
-
-
-def muscles_of(n: int, strength: Array, impedance: Array, *, tires: bool) -> Muscles:
-    """Returns muscles of rows with the same strength and impedance."""
-    return Muscles(
-        fatigued=np.zeros((n, 2, len(JOINTS))),
-        strength=np.tile(strength, (n, 1, 1)),
-        impedance=np.tile(impedance, (n, 1, 1)),
-        tires=tires,
-    )
-
-
-def motors_of(n: int, ratings: Array) -> Motors:
-    """Returns motors of rows; `ratings` has shape (3, motors)."""
-    size = (n, ratings.shape[1])
-    return Motors(np.zeros(size), np.zeros(size), np.zeros(size), ratings)
-
-
-def sensors_of(n: int, preview: Whole, resolution: float, sensing: Sensing, dt: float) -> Sensors:
-    """Returns the sensors of rows; `resolution` is the angle of one count of the encoders [rad]."""
-    return Sensors(
-        measured=np.zeros((n, WIDTH)),
-        encoder_counts=np.zeros((n, len(JOINTS))),
-        encoder_offset=np.zeros((n, len(JOINTS))),
-        dissipated_at_reset=np.zeros(n),
-        preview=preview,
-        resolution=resolution,
-        smoothing=smoothing(sensing.rate_cutoff, dt),
-    )
-
-
-def noisy_sensors_of(n: int, sensing: Sensing, dt: float, *, used: bool) -> NoisySensors:
-    """Returns the sensors with noise of rows, without memory if they are not used."""
-    delay = round(sensing.interaction_delay / dt) if used else 0
-    return NoisySensors(
-        noise_scale=np.ones(n),
-        sensor_draws=np.zeros((n, STRETCH if used else 0, NOISES)),
-        interaction_delay=np.zeros((n, delay + 1, len(JOINTS))),
-        present=motions_of(n, 1),
-        interaction_noise=sensing.interaction_noise,
-        cuff_noise=sensing.cuff_noise,
-        emg_noise=sensing.emg_noise,
-        emg_lead=round(sensing.emg_lead / dt),
-        emg_smoothing=smoothing(sensing.emg_cutoff, dt),
-    )
+    state.episode.episode[:], state.episode.limit[:] = -1, samples - 1
+    state.noisy.noise_scale[:] = 1.0
+    return state
 
 
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
-MOST = 10**9  # [control periods], greatest count
-LARGEST = 1e9  # [SI], more than in any episode; sums of it stay finite
-STRONGEST = 1e4  # [N·m], more than any torque of reflex, correction or learning
-ROUNDING = 1e-9
-# The lowest and the highest number of an array, where they are narrower than LARGEST.
-BOUNDS: dict[str, tuple[float, float]] = {
-    "seed": (0, HIGHEST_SEED),
-    "episode": (0, MOST),
-    "step": (0, MOST),
-    "limit": (1, MOST),
-    "clipped": (0, MOST),
-    "diverged": (0, 0),
-    "angle": (-2 * math.pi, 2 * math.pi),
-    "command": (-1.0, 1.0),
-    "change": (-2.0, 2.0),
-    "mean_square": (0.0, LARGEST),
-    "misalignment": (-LARGEST_MISALIGNMENT, LARGEST_MISALIGNMENT),
-    "noise_scale": (0.0, 100.0),
-    "encoder_offset": (-1.0, 1.0),
-    "gains": (-STRONGEST, STRONGEST),
-    "next_gains": (-STRONGEST, STRONGEST),
-    "reflex": (-STRONGEST, STRONGEST),
-    "correction": (-STRONGEST, STRONGEST),
-    "learned_torque": (-STRONGEST, STRONGEST),
-    "load": (0.0, HEAVIEST_PAYLOAD),
-    "carried": (0.0, HEAVIEST_PAYLOAD),
-    "free_fall": (0.0, 1000.0),
-    "fatigued": (-ROUNDING, 1.0 + ROUNDING),
-}
 
 
 def check_state(
     state: Any,
     config: dict[str, Any],
     present: dict[str, NDArray],
+    bounds: dict[str, tuple[float, float]],
     model: mujoco.MjModel,
-    wearers: int,
 ) -> None:
-    """Checks that a state came from an identically configured environment.
+    """Checks that a state that a user gave came from an identically configured environment.
 
-    Args:
-        state: State that the user gave.
-        config: Configuration of the environment.
-        present: Present state of the rows to restore, array by array.
-        model: Model of the environment.
-        wearers: Number of persons whom a row may have as its wearer.
+    `config` and `present` are configuration and state of the rows to restore, and `bounds` the
+    lowest and highest number of arrays, where they are narrower than LARGEST.
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
@@ -255,7 +228,17 @@ def check_state(
     diverged = state["diverged"]
     if isinstance(diverged, np.ndarray) and diverged.dtype == np.bool_ and diverged.any():
         raise InputError("the state is of an episode that has diverged: go on from an earlier one")
-    for name, value, wanted, usable in _parts(state, present, model, wearers):
+    for name, own in present.items():
+        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
+        wanted, usable = f"{own.dtype} numbers of shape {own.shape}", isinstance(value, np.ndarray)
+        usable = usable and value.dtype == own.dtype and value.shape == own.shape
+        if name != "physics":
+            wanted += f" from {low:g} to {high:g}"
+            usable = usable and bool(((low <= value) & (value <= high)).all())  # NaN is outside
+        elif usable and np.isfinite(value).all():
+            wanted, usable = f"a motion below {mujoco.mjMAXVAL:g}", _is_slow(value, model)
+        else:
+            usable = False
         if not usable:
             raise InputError(
                 f"the state's {name} is {shown(value)}: it must be {wanted}, as get_state "
@@ -294,25 +277,6 @@ def _same(one: Any, other: Any) -> bool:
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return type(one) is type(other) and np.array_equal(one, other)
     return bool(one == other)
-
-
-def _parts(
-    state: dict[str, Any], present: dict[str, NDArray], model: mujoco.MjModel, wearers: int
-) -> Iterator[tuple[str, Any, str, bool]]:
-    """Yields name, value, the required form, and whether the value has it; callers rely on it."""
-    bounds = {**BOUNDS, "wearer": (0, wearers - 1)}
-    for name, own in present.items():
-        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
-        form = f"{own.dtype} numbers of shape {own.shape}"
-        fits = (
-            isinstance(value, np.ndarray) and value.dtype == own.dtype and value.shape == own.shape
-        )
-        if name == "physics":
-            yield name, value, form, fits and bool(np.isfinite(value).all())
-            yield name, value, f"a motion below {mujoco.mjMAXVAL:g}", _is_slow(value, model)
-        else:
-            inside = fits and bool(((low <= value) & (value <= high)).all())  # NaN is outside
-            yield name, value, f"{form} from {low:g} to {high:g}", inside
 
 
 def _is_slow(physics: NDArray, model: mujoco.MjModel) -> bool:

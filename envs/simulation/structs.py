@@ -1,12 +1,14 @@
 """The arrays on which the kernels of the control cycle work, grouped by what they describe.
 
-Each array has the row as its first index, unless its line says otherwise. Those marked `SAVED` are
-the state of an episode beside the state of the physics: `get_state` returns them by name. The
-others are constants, or scratch memory of one control period.
+Each array of a struct declares its shape and its purpose: `Saved` is state of an episode beside the
+state of the physics, which `get_state` returns by name, and `Scratch` is memory of one control
+period. `allocated` makes both. All other fields are constants.
 """
 
+import math
 import re
-from typing import Annotated, Any, NamedTuple, get_type_hints
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_type_hints
 
 import mujoco
 import numpy as np
@@ -15,38 +17,83 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ...checks import HIGHEST_SEED
 from ...hysteresis.engine import fault_slots
 from ..model import ASSISTED
+from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT
 from ..model.cuffs import CUFFS
 from ..model.workplace import PUSHES
 
+Struct = TypeVar("Struct")
 Whole = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 Index = int | np.int64
-SAVED = "saved"  # mark of an array that belongs to the state of an episode
-SCRATCH = "scratch"  # mark of a struct whose arrays do not
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
+MOST = 10**9  # [control periods], greatest count
+LARGEST = 1e9  # [SI], more than in any episode; sums of it stay finite
+STRONGEST = 1e4  # [N·m], more than any torque of reflex, correction or learning
+
+
+class Scratch(NamedTuple):
+    """Mark of an array of one control period; `shape` has numbers, and names of sizes."""
+
+    shape: str
+
+
+class Saved(NamedTuple):
+    """Mark of an array of the state of an episode, with its lowest and highest number."""
+
+    shape: str
+    low: float = -LARGEST
+    high: float = LARGEST
+
+
+def allocated(kind: type[Struct], sizes: Mapping[str, int], **given: Any) -> Struct:
+    """Returns a struct whose arrays are zero, with all other fields as given.
+
+    `sizes` has the names that `Saved` and `Scratch` use.
+    """
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        if name not in given:
+            array, mark = get_args(hint)
+            shape = [int(size) if size.isdigit() else sizes[size] for size in mark.shape.split()]
+            given[name] = np.zeros(shape, get_args(get_args(array)[1])[0])
+    return kind(**given)
+
+
+def saved(struct: Any) -> dict[str, tuple[NDArray, Saved]]:
+    """Returns the arrays of a struct that are marked as `Saved`, also within others, by name."""
+    return dict(_saved(struct))
+
+
+def _saved(struct: Any) -> Iterator[tuple[str, tuple[NDArray, Saved]]]:
+    for name, hint in get_type_hints(type(struct), include_extras=True).items():
+        value, marks = getattr(struct, name), getattr(hint, "__metadata__", ())
+        if marks and isinstance(marks[0], Saved):
+            yield name, (value, marks[0])
+        elif isinstance(value, tuple) and not marks:
+            yield from _saved(value)
 
 
 class Physics(NamedTuple):
-    """Views of MuJoCo's arrays, with its names."""
+    """Views of MuJoCo's arrays, with its names; they are valid as long as the batch exists."""
 
     qpos: Array
     qvel: Array
     qacc: Array
+    act: Array
     qfrc_passive: Array
     qfrc_bias: Array
     ctrl: Array
-    biasprm: Array
     sensordata: Array
     actuator_force: Array
+    biasprm: Array
     warning: Array
 
     @classmethod
     def of(cls, batch: Batch) -> "Physics":
         """Returns the views of a batch whose rows have impedances of their own."""
-        fields = ("qpos", "qvel", "qacc", "qfrc_passive", "qfrc_bias", "ctrl")
-        views = {name: batch.bind(name) for name in (*fields, "sensordata", "actuator_force")}
+        views = {name: batch.bind(name) for name in cls._fields[:-2]}  # the others are no fields
         biasprm = batch.expand("actuator_biasprm")
         return cls(**views, biasprm=biasprm, warning=batch.warning[:, DIVERGENCE, 1])
 
@@ -54,40 +101,40 @@ class Physics(NamedTuple):
 class Episode(NamedTuple):
     """Counters of the episodes."""
 
-    seed: Annotated[Whole, SAVED]  # seed of the row, from which all its random numbers follow
-    episode: Annotated[Whole, SAVED]  # number of the episode since the row was seeded
-    step: Annotated[Whole, SAVED]  # number of control periods since the reset
-    limit: Annotated[Whole, SAVED]  # control periods after which the episode is truncated
-    clipped: Annotated[Whole, SAVED]  # number of actions that were outside [-1, 1]
-    diverged: Annotated[Bools, SAVED]  # whether the physics has diverged
+    seed: Annotated[Whole, Saved("n", 0, HIGHEST_SEED)]  # all random numbers of the row follow
+    episode: Annotated[Whole, Saved("n", 0, MOST)]  # number of the episode since the seed
+    step: Annotated[Whole, Saved("n", 0, MOST)]  # number of control periods since the reset
+    limit: Annotated[Whole, Saved("n", 1, MOST)]  # control periods until the episode is truncated
+    clipped: Annotated[Whole, Saved("n", 0, MOST)]  # number of actions that were outside [-1, 1]
+    diverged: Annotated[Bools, Saved("n", 0, 0)]  # whether the physics has diverged
     dt: float  # control period [s]
 
 
 class Conditions(NamedTuple):
     """Conditions that were drawn at the reset, where rows have their own."""
 
-    wearer: Annotated[Whole, SAVED]  # number of the wearer
-    misalignment: Annotated[Array, SAVED]  # exoskeleton's displacement [m], (n, 3)
-    load: Annotated[Array, SAVED]  # mass at the hand [kg]
-    free_fall: Annotated[Array, SAVED]  # acceleration of free fall [m/s²]
-    carried: Annotated[Array, SAVED]  # mass at the hand at every sample [kg], (n, samples)
-    push: Annotated[Array, SAVED]  # force on the grip at every sample [N], (n, samples, 3)
+    wearer: Annotated[Whole, Saved("n", 0, MOST)]  # number of the wearer
+    misalignment: Annotated[Array, Saved("n 3", -LARGEST_MISALIGNMENT, LARGEST_MISALIGNMENT)]  # m
+    load: Annotated[Array, Saved("n", 0, HEAVIEST_PAYLOAD)]  # mass at the hand [kg]
+    free_fall: Annotated[Array, Saved("n", 0, 1000)]  # acceleration of free fall [m/s²]
+    carried: Annotated[Array, Saved("n masses", 0, HEAVIEST_PAYLOAD)]  # by sample [kg]
+    push: Annotated[Array, Saved("n pushes 3")]  # force on the grip at every sample [N]
 
 
 class Motions(NamedTuple):
-    """Motions of the joints, shape (n, samples, 4)."""
+    """Motions of the joints."""
 
-    angle: Annotated[Array, SAVED]  # rad
-    rate: Annotated[Array, SAVED]  # rad/s
-    acceleration: Annotated[Array, SAVED]  # rad/s²
+    angle: Annotated[Array, Saved("n samples 4", -2 * math.pi, 2 * math.pi)]  # rad
+    rate: Annotated[Array, Saved("n samples 4")]  # rad/s
+    acceleration: Annotated[Array, Saved("n samples 4")]  # rad/s²
 
 
 class Intention(NamedTuple):
     """Intended motion of the wearer, and what was learned for it; without samples for nothing."""
 
     motion: Motions
-    learned_torque: Annotated[Array, SAVED]  # N·m, (n, samples, 4)
-    learned_contraction: Annotated[Array, SAVED]  # beyond the usual one [N·m], (n, samples, 4)
+    learned_torque: Annotated[Array, Saved("n learned 4", -STRONGEST, STRONGEST)]  # N·m
+    learned_contraction: Annotated[Array, Saved("n learned 4")]  # beyond the usual one [N·m]
 
 
 class BareArm(NamedTuple):
@@ -102,7 +149,7 @@ class BareArm(NamedTuple):
 class Muscles(NamedTuple):
     """Strength, impedance and fatigue of the muscle groups."""
 
-    fatigued: Annotated[Array, SAVED]  # fatigued part of each group, (n, 2, 4)
+    fatigued: Annotated[Array, Saved("n 2 4", -1e-9, 1 + 1e-9)]  # fatigued part of each group
     strength: Array  # isometric strength [N·m], (n, 2, 4)
     impedance: Array  # result of `VoluntaryControl.impedance`, (n, 5, 4)
     tires: bool  # whether effort tires the wearers
@@ -111,23 +158,23 @@ class Muscles(NamedTuple):
 class Learning(NamedTuple):
     """The torque that wearers learn from episode to episode."""
 
-    gains: Annotated[Array, SAVED]  # features to torque, (n, 4, FEATURES); none: no learning
-    next_gains: Annotated[Array, SAVED]  # gains as learned so far, used from the next episode on
-    features: Array  # features of the intended motion, (n, 4, FEATURES)
+    gains: Annotated[Array, Saved("n 4 gains", -STRONGEST, STRONGEST)]  # features to torque
+    next_gains: Annotated[Array, Saved("n 4 gains", -STRONGEST, STRONGEST)]  # of the next episode
+    features: Annotated[Array, Scratch("n 4 features")]  # features of the intended motion
     rate: float  # share of the missing torque that one control period adds
     forgetting: float
     ahead: int  # control periods by which the learned torque precedes the error
 
 
 class Feedback(NamedTuple):
-    """The wearer's reflex and voluntary correction."""
+    """The wearer's reflex and voluntary correction; delays are rings by step."""
 
-    reflex: Annotated[Array, SAVED]  # torque of the reflex [N·m], (n, 4)
-    correction: Annotated[Array, SAVED]  # torque of the correction [N·m], (n, 4)
-    reflex_delay: Annotated[Array, SAVED]  # inputs of the reflex [N·m], ring by step, (n, delay, 4)
-    correction_goals: Annotated[Array, SAVED]  # its last three goals [N·m], latest first, (n, 3, 4)
-    correction_delay: Annotated[Array, SAVED]  # errors [rad], ring by step, (n, delay, 4)
-    needed: Array  # torque beside the feed-forward torque [N·m], (n, 4)
+    reflex: Annotated[Array, Saved("n 4", -STRONGEST, STRONGEST)]  # torque of the reflex [N·m]
+    correction: Annotated[Array, Saved("n 4", -STRONGEST, STRONGEST)]  # torque [N·m]
+    reflex_delay: Annotated[Array, Saved("n reflex_delay 4")]  # inputs of the reflex [N·m]
+    correction_goals: Annotated[Array, Saved("n 3 4")]  # its last goals [N·m], latest first
+    correction_delay: Annotated[Array, Saved("n sight 4")]  # errors [rad]
+    needed: Annotated[Array, Scratch("n 4")]  # torque beside the feed-forward torque [N·m]
     reflex_gain: float
     lead: float  # s
     lag: float  # share of a change that the muscle follows in one control period
@@ -140,8 +187,8 @@ class Feedback(NamedTuple):
 class MuscleNoise(NamedTuple):
     """Noise and tremor of the muscles."""
 
-    muscle_noise: Annotated[Array, SAVED]  # noise, tremor, its quadrature, variance 1, (n, 3, 4)
-    muscle_draws: Annotated[Array, SAVED]  # random numbers, (n, STRETCH, 3, 4); none without noise
+    muscle_noise: Annotated[Array, Saved("n 3 4")]  # noise, tremor, its quadrature, variance 1
+    muscle_draws: Annotated[Array, Saved("n muscle_draws 3 4")]  # random numbers, if there is noise
     recursion: Array  # coefficients of `noise_constants`, (6,)
     noise: float  # share of the torque
     tremor: float
@@ -159,19 +206,20 @@ class Wearer(NamedTuple):
 class Motors(NamedTuple):
     """The motors of the exoskeleton."""
 
-    command: Annotated[Array, SAVED]  # last action, (n, motors)
-    change: Annotated[Array, SAVED]  # its change since the action before, (n, motors)
-    mean_square: Annotated[Array, SAVED]  # mean square of the torques [N²·m²], (n, motors)
+    command: Annotated[Array, Saved("n motors", -1, 1)]  # last action
+    change: Annotated[Array, Saved("n motors", -2, 2)]  # its change since the action before
+    mean_square: Annotated[Array, Saved("n motors", 0)]  # mean square of the torques [N²·m²]
     ratings: Array  # peak and continuous torque [N·m], time constant of heat [s], (3, motors)
+    fails: Array  # time from which a motor has no power [s], (motors,)
 
 
 class Sensors(NamedTuple):
     """Measurements, and the sensors without noise."""
 
-    measured: Annotated[Array, SAVED]  # last valid measurements, (n, WIDTH)
-    encoder_counts: Annotated[Array, SAVED]  # counts that the encoders showed last, (n, 4)
-    encoder_offset: Annotated[Array, SAVED]  # error of the encoders' zeros [rad], (n, 4)
-    dissipated_at_reset: Annotated[Array, SAVED]  # energy that the suit had dissipated [J]
+    measured: Annotated[Array, Saved("n measurements")]  # last valid measurements
+    encoder_counts: Annotated[Array, Saved("n 4")]  # counts that the encoders showed last
+    encoder_offset: Annotated[Array, Saved("n 4", -1, 1)]  # error of the encoders' zeros [rad]
+    dissipated_at_reset: Annotated[Array, Saved("n")]  # energy that the suit had dissipated [J]
     preview: Whole  # look-ahead of the target [samples], (3,)
     resolution: float  # angle of one count of the encoders [rad]
     smoothing: float  # low-pass of the rates
@@ -180,10 +228,10 @@ class Sensors(NamedTuple):
 class NoisySensors(NamedTuple):
     """Sensors at the cuffs and on the person."""
 
-    noise_scale: Annotated[Array, SAVED]  # factor of the noise
-    sensor_draws: Annotated[Array, SAVED]  # random numbers, (n, STRETCH, NOISES); none: not used
-    interaction_delay: Annotated[Array, SAVED]  # torques [N·m], ring by step, (n, delay + 1, 4)
-    present: Annotated[Motions, SCRATCH]  # the present motion of the arm, one sample
+    noise_scale: Annotated[Array, Saved("n", 0, 100)]  # factor of the noise
+    sensor_draws: Annotated[Array, Saved("n sensor_draws noises")]  # random numbers; none: not used
+    interaction_delay: Annotated[Array, Saved("n interaction_delay 4")]  # torques [N·m], a ring
+    present: Annotated[Motions, Scratch("")]  # the present motion of the arm, one sample
     interaction_noise: float
     cuff_noise: float  # N
     emg_noise: float
@@ -194,28 +242,8 @@ class NoisySensors(NamedTuple):
 class Reception(NamedTuple):
     """Readings of sensors on their way to the controller, where something fails."""
 
-    sent: Annotated[Array, SAVED]  # last readings of the sensors, (n, columns of `RECEIVED`)
-    fault_draws: Annotated[Array, SAVED]  # random numbers, (n, STRETCH, 2); none: not used
-
-
-class Equilibrium(NamedTuple):
-    """The search for the equilibrium at the start of an episode."""
-
-    torque: Array  # net torque on the arm at rest, without the wearer's [N·m], (n, dofs)
-    motor: Array  # torques of the motors [N·m], (n, motors)
-
-
-def saved(struct: Any) -> dict[str, NDArray]:
-    """Returns the arrays of a struct that are marked as `SAVED`, also within others, by name."""
-    found: dict[str, NDArray] = {}
-    for name, hint in get_type_hints(type(struct), include_extras=True).items():
-        value = getattr(struct, name)
-        marks = getattr(hint, "__metadata__", ())
-        if SAVED in marks:
-            found[name] = value
-        elif isinstance(value, tuple) and SCRATCH not in marks:
-            found |= saved(value)
-    return found
+    sent: Annotated[Array, Saved("n received")]  # last readings of the sensors
+    fault_draws: Annotated[Array, Saved("n fault_draws 2")]  # random numbers; none: not used
 
 
 class Addresses(NamedTuple):
@@ -280,6 +308,20 @@ class Addresses(NamedTuple):
             dissipated=_indices(sensors[f"{suit}_dissipated_energy"] for suit in suits),
             faults=fault_slots(model),
         )
+
+
+class Arms(NamedTuple):
+    """All that the kernels of the control cycle work on."""
+
+    physics: Physics
+    at: Addresses
+    episode: Episode
+    intention: Intention
+    wearer: Wearer
+    muscles: Muscles
+    motors: Motors
+    sensors: Sensors
+    noisy: NoisySensors
 
 
 def _indices(values) -> Whole:

@@ -1,7 +1,4 @@
-"""The wearer's control in one control period, for one row (see `envs.person.control`).
-
-The structs are those of `structs`.
-"""
+"""The wearer's control in one control period, for one row (see `envs.person.control`)."""
 
 import math
 
@@ -12,20 +9,10 @@ from ...kernels import inner
 from ..person.control import NOISE_SIZE
 from ..person.strength import SHAPE, group_torque
 from .inverse_dynamics import arm_torque
-from .structs import (
-    Addresses,
-    Episode,
-    Feedback,
-    Index,
-    Intention,
-    MuscleNoise,
-    Muscles,
-    Physics,
-    Wearer,
-)
+from .structs import Arms, Feedback, Index, Intention, MuscleNoise, Wearer
 
 # Rows of `impedance`.
-BASE, SLOPE, DAMPING, RELAXATION, USUAL = range(5)
+BASE, SLOPE, DAMPING, RELAXATION, COCONTRACTION = range(5)
 # Entries of `recursion`: coefficients that advance noise and tremor by one control period.
 SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
 FEATURES = 10  # number of features of the motion that predict the net load
@@ -166,24 +153,17 @@ def contraction(row: int, sample: Index, joint: int, intention: Intention) -> fl
 
 
 @njit(inline="always")
-def act(
-    row: int,
-    physics: Physics,
-    at: Addresses,
-    episode: Episode,
-    intention: Intention,
-    wearer: Wearer,
-    muscles: Muscles,
-) -> None:
+def act(row: int, arms: Arms) -> None:
     """Sets intention, impedance and added torque of the wearer's actuators for the coming period.
 
     `wearer.arm.torque` is the feed-forward torque.
     """
-    feedback, motion, noise, ctrl = wearer.feedback, intention.motion, wearer.noise, physics.ctrl
-    strength, fatigued, impedance = muscles.strength, muscles.fatigued, muscles.impedance
+    physics, at, wearer, muscles = arms.physics, arms.at, arms.wearer, arms.muscles
+    feedback, motion, noise = wearer.feedback, arms.intention.motion, wearer.noise
+    ctrl, impedance = physics.ctrl, muscles.impedance
     reflex, correction = feedback.reflex, feedback.correction
     noisy, delayed = noise.muscle_draws.shape[1] > 0, feedback.reflex_delay.shape[1] > 0
-    step, ahead = episode.step[row], episode.step[row] + 1
+    step, ahead = arms.episode.step[row], arms.episode.step[row] + 1
     i = int(min(ahead, motion.angle.shape[1] - 1))
     if noisy:
         vary(row, step, noise)
@@ -195,13 +175,13 @@ def act(
         error, slip = target - q, target_rate - v
         low, high = 0.0, 0.0
         for way in range(2):
-            isometric = strength[row, way, j] * (1.0 - fatigued[row, way, j])
+            isometric = muscles.strength[row, way, j] * (1.0 - muscles.fatigued[row, way, j])
             if way == 1:
                 high = most(isometric, way, j, q, v)
             else:
                 low = -most(isometric, way, j, q, -v)
         muscle = max(low, min(own + reflex[row, j] + correction[row, j], high))
-        tension = abs(muscle) + contraction(row, i, j, intention)
+        tension = abs(muscle) + contraction(row, i, j, arms.intention)
         stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * tension
         damping = impedance[row, DAMPING, j] + impedance[row, RELAXATION, j] * stiffness
         intrinsic = stiffness * error + damping * slip

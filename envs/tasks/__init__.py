@@ -3,7 +3,7 @@
 from pathlib import PurePath
 
 from ...errors import InputError, unknown_name
-from ..simulation.plan import Plan
+from ..simulation.episode_plan import Plan
 from .joints import (
     ARM_TRACKING,
     ELBOW_FLEXION,

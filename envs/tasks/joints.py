@@ -11,8 +11,8 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, shown, unknown_name
 from ...published import LI_RANGES, LI_TURNS
+from ..simulation.episode_plan import Motion, Plan
 from ..simulation.kinematics import Arm
-from ..simulation.plan import Motion, Plan
 from .motions import between, posture, ramped, random_motion, through
 from .task import LONGEST, SUSTAINED, Task, check_pair
 
@@ -159,61 +159,41 @@ class TransitionCurves(Task):
 
     source: ClassVar[str] = "Li et al. 2022, curves of identification; ramp times assumed"
 
+    def turns(self, joint: str, rng: np.random.Generator) -> Sequence[tuple[float, float]]:
+        """Returns where a joint turns back [rad], and the time of the way there [s]."""
+        return [(turn, RAMP) for turn in rng.permutation(LI_TURNS[joint])]
+
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns a curve for each published turn, first of one joint, then of the other."""
+        """Returns ways of one joint from the start of its range and back, then of the other one.
+
+        The ends of the ways are watched if the task watches the hand.
+        """
         del arm
-        visits = []
-        for joint in _either_first(rng):
-            turns = rng.permutation(LI_TURNS[joint])
-            visits += [(joint, turn, RAMP) for turn in turns]
-        stops, _ = _there_and_back(visits)
-        return Plan(through(stops, samples, dt))
+        stops, ends, now = [], [], 0.0
+        for joint in ("shoulder", "elbow") if rng.random() < 0.5 else ("elbow", "shoulder"):
+            now += RAMP if stops else 0.0  # the motion changes from one joint to the other
+            start = _at(joint, LI_RANGES[joint][0])
+            stops.append((now, start))
+            ends.append(now)
+            for angle, ramp in self.turns(joint, rng):
+                stops += [(now + ramp, _at(joint, angle)), (now + 2 * ramp, start)]
+                ends += [now + ramp, now + 2 * ramp]
+                now += 2 * ramp
+        watched = between([(end, end) for end in ends], samples, dt) if self.watches else None
+        return Plan(through(stops, samples, dt), watched=watched)
 
 
 @dataclass(frozen=True, kw_only=True)
-class RangeOfMotion(Task):
+class RangeOfMotion(TransitionCurves):
     """Each joint is swept through its measured range three times, the other one at home."""
 
     source: ClassVar[str] = "Matty 2010 (NTRS 20100017776); ranges of Li et al. 2022"
 
-    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns three sweeps of one joint, then of the other; the ends are watched."""
-        del arm
-        visits = []
-        for joint in _either_first(rng):
-            low, high = LI_RANGES[joint]
-            visits += [(joint, high, (high - low) / SPEED)] * TRIES
-        stops, ends = _there_and_back(visits)
-        return Plan(
-            through(stops, samples, dt), watched=between([(end, end) for end in ends], samples, dt)
-        )
-
-
-def _either_first(rng: np.random.Generator) -> Sequence[str]:
-    joints = ("shoulder", "elbow")
-    return joints if rng.random() < 0.5 else joints[::-1]
-
-
-def _there_and_back(
-    visits: Sequence[tuple[str, float, float]],
-) -> tuple[list[tuple[float, Array]], list[float]]:
-    """Returns stops that take a joint from the start of its range to an angle and back, and ends.
-
-    Args:
-        visits: Joint, angle [rad] and time of a ramp [s] of each.
-    """
-    stops, ends, now = [], [], 0.0
-    before = None
-    for joint, angle, ramp in visits:
-        low = LI_RANGES[joint][0]
-        start, turn = _at(joint, low), _at(joint, angle)
-        if before not in (None, joint):
-            now += RAMP  # the motion changes from one joint to the other
-        stops += [(now, start), (now + ramp, turn), (now + 2 * ramp, start)]
-        ends += [now, now + ramp, now + 2 * ramp]
-        now, before = now + 2 * ramp, joint
-    stops = [stop for i, stop in enumerate(stops) if i == 0 or stop[0] > stops[i - 1][0]]
-    return stops, ends
+    def turns(self, joint: str, rng: np.random.Generator) -> Sequence[tuple[float, float]]:
+        """Returns three sweeps to the end of the range."""
+        del rng
+        low, high = LI_RANGES[joint]
+        return [(high, (high - low) / SPEED)] * TRIES
 
 
 def _at(joint: str, angle: float) -> Array:

@@ -8,7 +8,7 @@ from numba import njit
 
 from ...arrays import AnyArray, Array
 from ...assets import JOINTS
-from ..simulation.plan import Motion
+from ..simulation.episode_plan import Motion
 
 
 def minimum_jerk(fraction: AnyArray) -> tuple[Array, Array, Array]:
@@ -32,19 +32,9 @@ def random_moves(
 ) -> Array:
     """Returns angle, rate and acceleration of minimum-jerk moves between random targets.
 
-    Every move covers at least a quarter of the span, so that the suit resists noticeably.
-
-    Args:
-        rng: Random generator.
-        low: Lowest target [rad].
-        high: Highest target [rad].
-        samples: Number of samples.
-        dt: Time between samples [s].
-        move_time: Shortest and longest time of a move [s].
-        dwell_time: Shortest and longest rest after it [s].
-
-    Returns:
-        The motion, shape (3, samples).
+    Every move covers at least a quarter of the span, so that the suit resists noticeably. Angles
+    are in rad, times in s: the shortest and the longest one of a move, and of the rest after it.
+    The motion has the shape (3, samples).
     """
     motion = np.zeros((3, samples))
     least = (high - low) / 4.0
@@ -95,11 +85,7 @@ def random_motion(
 def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Motion:
     """Returns minimum-jerk moves from stop to stop, and two derivatives; one twice is a rest.
 
-    Args:
-        stops: Time of each [s], rising, and its joint angles [rad], or its place [m], shape (k,)
-            each; the last one is kept to the end.
-        samples: Number of samples.
-        dt: Time between samples [s].
+    A stop is a time [s] and joint angles [rad] or a place [m], shape (k,); the last one is kept.
     """
     time = dt * np.arange(samples)
     motion = np.zeros((3, samples, len(stops[-1][1])))
@@ -116,14 +102,9 @@ def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Mo
 def ramped(
     wave: AnyArray, rate: AnyArray, acceleration: AnyArray, time: AnyArray, beginning: float
 ) -> tuple[Array, Array, Array]:
-    """Returns a wave with its two derivatives that grows from rest.
+    """Returns a wave with its two derivatives that grows from rest within a time `beginning` [s].
 
-    Args:
-        wave: The wave, shape (samples,) like all.
-        rate: Its first derivative.
-        acceleration: Its second derivative.
-        time: Time of the samples [s].
-        beginning: Time in which it grows to its full size [s].
+    All have the shape (samples,).
     """
     grown, growth, bend = minimum_jerk(np.minimum(time / beginning, 1.0))
     growth, bend = growth / beginning, bend / beginning**2
@@ -149,12 +130,6 @@ def between(windows: Sequence[tuple[float, float]], samples: int, dt: float) -> 
 
 
 def repeated(stops: Sequence[tuple[float, Array]], period: float, duration: float) -> list:
-    """Returns stops of one cycle, again and again, until a duration has passed [s].
-
-    Args:
-        stops: Times of the cycle from 0 [s], and what is then, such as a posture.
-        period: Duration of a cycle [s].
-        duration: Time that the cycles shall cover [s].
-    """
+    """Returns the stops of a cycle, again and again, until a duration has passed [s]."""
     cycles = int(np.ceil(duration / period)) + 1
     return [(cycle * period + time, at) for cycle in range(cycles) for time, at in stops]

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...arrays import Array
 from ..model.workplace import CARRIED, add_pushes, draw, grip, holder, place_of, straight_arm
+from ..simulation.episode_plan import Plan
 from ..simulation.kinematics import Arm, through_places
-from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated, through
 from .task import SUSTAINED, Task, check_range
 

@@ -15,7 +15,7 @@ from ...errors import InputError, shown
 from ...files import content_of
 from ...table_files import LARGEST, joint_angle, next_time, number_in, read_table
 from ..provenance import setting
-from ..simulation.plan import Motion
+from ..simulation.episode_plan import Motion
 from .task import LONGEST, SHORTEST, Task
 
 MOTION = ".csv"  # how the names of files of motions end
@@ -34,9 +34,6 @@ class RecordedMotion(Task):
 
     Attributes:
         path: Path of the file.
-
-    Raises:
-        InputError: The file cannot be read, has other columns, gaps, or angles in degrees.
     """
 
     path: str

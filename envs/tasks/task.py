@@ -11,8 +11,8 @@ from ...checks import within
 from ...errors import InputError, shown
 from ..model.workplace import Edits
 from ..provenance import check_settings, setting
+from ..simulation.episode_plan import Motion, Plan
 from ..simulation.kinematics import Arm
-from ..simulation.plan import Motion, Plan
 
 SHORTEST, LONGEST = 0.02, 3600.0  # [s], limits of an episode
 FARTHEST = 10.0  # m and rad, of tolerances
@@ -29,8 +29,8 @@ class Limit:
     """A limit of success.
 
     Attributes:
-        name: Name of the cost of an episode that it limits, as in `envs.reward.COSTS`; or "lost",
-            which is 1 if the arm is lost, at a pole of the suit's torque, or diverged.
+        name: Name of a cost in `envs.interface.reward.COSTS`; or "lost", which is 1 if the arm is
+            lost, at a pole of the suit's torque, or diverged.
         value: Greatest cost with which an episode succeeds.
         unit: Unit of both, "1" for a ratio.
     """

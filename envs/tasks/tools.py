@@ -12,8 +12,8 @@ from ...assets import JOINTS
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import CARRIED, add_reaction, draw, grip, holder, place_of
 from ..provenance import setting
+from ..simulation.episode_plan import STRONGEST, Plan
 from ..simulation.kinematics import Arm
-from ..simulation.plan import STRONGEST, Plan
 from .motions import between, posture, ramped, repeated, through
 from .task import LOADED, SUSTAINED, Task, check_range
 
@@ -138,14 +138,8 @@ def _swing(
 ) -> Array:
     """Returns the quintic from angles and rates to angles and rates, without acceleration there.
 
-    Args:
-        time: Time since the beginning [s], shape (samples,).
-        duration: Time of the swing [s].
-        begin: Angles [rad] and rates [rad/s], shape (4,) each.
-        end: The same at the end.
-
-    Returns:
-        Angle, rate and acceleration, shape (3, samples, 4).
+    `time` is that since the beginning [s], shape (samples,); the motion has the shape (3, samples,
+    4).
     """
     s = (time / duration)[:, None]
     path = end[0] - begin[0]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...checks import at_least
-from ...envs.levels import NOMINAL
+from ...envs.domain.levels import NOMINAL
 from ...envs.making import make_arms
 from ...envs.plant import Plant
 from ...envs.policies import needed_options

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
+from activesuit.envs.domain.randomization import Randomization
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
-from activesuit.envs.randomization import Randomization
 from arms import addresses, physics, state
 from helpers import assert_refused
 

@@ -4,7 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.simulation.plan import Plan
+from activesuit.envs.simulation.episode_plan import Plan
 from activesuit.envs.tasks import RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from gymnasium.vector import AutoresetMode

@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
+from activesuit.envs.simulation import Simulation
 from helpers import assert_refused
 
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (100, 2))
@@ -41,6 +42,16 @@ def test_branching_from_a_saved_state():
         np.testing.assert_array_equal(first, play(one, 80))
     after, again = env.reset()[0], other.reset()[0]
     np.testing.assert_array_equal(after, again)
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
+def test_a_reset_returns_the_state_from_which_the_first_step_starts(coupling, monkeypatch):
+    env, other = (ArmEnv("ElbowFlexion", coupling=coupling) for _ in range(2))
+    env.reset(seed=2)
+    monkeypatch.delattr(Simulation, "_equilibrate")  # which no step needs
+    other.set_state(env.get_state())
+    np.testing.assert_array_equal(play(env, 30), play(other, 30))
+    assert np.abs(env.data.qpos - other.data.qpos).max() == 0
 
 
 def test_state_shows_its_own_moment():

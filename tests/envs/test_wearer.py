@@ -148,7 +148,13 @@ def test_who_has_learned_the_exoskeleton_gains_from_it_and_little_more_from_a_re
 # --- Beginnings ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
+YIELDS = "cuffs bear nothing yet when the wearer gives up torque: the arm yields by some 0.01 rad"
+
+
+@pytest.mark.parametrize(
+    "coupling",
+    ["rigid", pytest.param("cuffs", marks=pytest.mark.xfail(strict=True, reason=YIELDS))],
+)
 def test_motors_begin_with_the_first_action_and_the_arm_stays(coupling):
     env = ArmEnv(STILL, coupling=coupling, control={"adaptation": 0.0})
     gravity = make_policy("gravity", env)

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from activesuit.assets import load_suit
 from activesuit.envs.benchmark import BASELINE, run_trial, suite
+from activesuit.envs.domain.levels import LEVELS
 from activesuit.envs.evaluation import rollout, validate
-from activesuit.envs.levels import LEVELS
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options
 from activesuit.envs.tasks import TASKS

@@ -107,8 +107,8 @@ VALIDATE = {
 RIG = {
     "--repeats 1000000000": "repeats is 1000000000: use at most",
     "--turns 3.0": "turn is 3 rad: give an angle in the range of elbow_flexion",
-    "--rate 0": "rate is 0 rad/s: give 0.01 to 0.5",
-    "--noise -1": "noise is -1 N·m: give 0 or more",
+    "--rate 0": "rate is 0.0: use a number from 0.01 to 0.5 rad/s",
+    "--noise -1": "noise is -1.0: use a number from 0 to 1000 N·m",
     "--joint knee": "unknown joint of suit 'mock-suit' 'knee'",
     "--suit nope": "unknown suit 'nope'",
     "--predict 1.1": "predict has 1.1 rad: give some of the turns, 0.87, 1.05",

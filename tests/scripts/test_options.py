@@ -6,7 +6,7 @@ from dataclasses import fields, is_dataclass
 
 import pytest
 from activesuit.envs import ArmConfig
-from activesuit.envs.randomization import Randomization
+from activesuit.envs.domain.randomization import Randomization
 from activesuit.errors import InputError
 from activesuit.scripts.names import STANDS_FOR, check_names, option_names
 from activesuit.scripts.options import flags, parsed

@@ -1,7 +1,7 @@
 """The tables of the docs that code holds are up to date."""
 
 import pytest
-from activesuit.envs.observation import SUITES
+from activesuit.envs.interface.observation import SUITES
 from activesuit.errors import InputError
 from activesuit.tools import tables
 from activesuit.tools.sentences import FACTS

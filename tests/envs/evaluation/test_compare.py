@@ -11,9 +11,9 @@ from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.best_known_plan import rationed
 from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.evaluation.scores import root_mean_square as rms
+from activesuit.envs.interface.reward import COSTS
 from activesuit.envs.model import Exo
 from activesuit.envs.policies import NoAssist, make_policy
-from activesuit.envs.reward import COSTS
 from activesuit.identification import fit_curves, load_curves
 from helpers import assert_refused, shorten_tasks, without_volume_shares
 from scipy.optimize import minimize

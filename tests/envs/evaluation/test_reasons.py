@@ -9,8 +9,8 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout, score
 from activesuit.envs.evaluation.reasons import Oscillation, Reason, most_frequent
 from activesuit.envs.evaluation.scores import UNITS
+from activesuit.envs.interface.reward import is_success
 from activesuit.envs.policies import make_policy, needed_options
-from activesuit.envs.reward import is_success
 from activesuit.envs.tasks import TASKS
 from activesuit.envs.tasks.task import EVERYWHERE, TOLERANCES
 

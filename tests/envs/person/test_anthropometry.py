@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
+from activesuit.envs.domain.randomization import Randomization
 from activesuit.envs.model import ArmConfig
 from activesuit.envs.person import Person, range_of_motion, segments
-from activesuit.envs.randomization import Randomization
 from helpers import assert_refused
 
 

@@ -109,14 +109,6 @@ def test_the_engine_is_given_what_the_law_says(settings, person):
     assert np.abs(twin.fed).max() > 0.3
 
 
-def test_times_of_reflex_and_correction():
-    """Which are those of the law, whose changes of the correction take 0.2 s."""
-    usual = VoluntaryControl()
-    assert (usual.delay, usual.reflex, usual.correction) == (0.05, 0.5, 0.5)
-    reflex = VALUE["control.reflex.lag"], VALUE["control.correction.delay"]
-    assert reflex == (0.035, 0.15)
-
-
 def test_stiffness_at_rest_and_under_load():
     base, slope, _, relaxation, extra = VoluntaryControl().impedance(Person())
     assert 27 <= base[1] <= base[2] <= 28

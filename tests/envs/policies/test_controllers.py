@@ -12,7 +12,7 @@ from activesuit.envs.policies import make_policy, needed_options
 from activesuit.envs.policies.adaptive import learned
 from activesuit.envs.policies.guard import RESERVE, lessen, updated_ledger
 from activesuit.envs.policies.observers import CorrectedCompensation
-from activesuit.envs.simulation.simulation import PREVIEW
+from activesuit.envs.simulation.state import PREVIEW
 from shown import asked, made
 
 

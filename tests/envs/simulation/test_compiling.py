@@ -14,7 +14,7 @@ ROOT = Path(activesuit.__file__).parent.parent
 PROGRAM = """
 import activesuit
 from activesuit.envs.making import make_arms
-from activesuit.envs.reward import judge
+from activesuit.envs.interface.reward import judge
 from activesuit.envs.simulation.cycle import after, before
 
 for suit in ("mock-suit", "none"):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from activesuit.envs import ArmEnv
 from activesuit.envs.model.workplace import add_pushes
-from activesuit.envs.simulation.plan import Plan
+from activesuit.envs.simulation.episode_plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, ObjectRelocation, RandomMoves, Scoop, Task
 from activesuit.envs.tasks.tools import Ratchet
 from activesuit.envs.vector_env import ArmVectorEnv

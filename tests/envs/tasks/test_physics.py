@@ -9,7 +9,7 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.model import ArmConfig, Payload, compose
-from activesuit.envs.simulation.plan import Plan
+from activesuit.envs.simulation.episode_plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
 from activesuit.envs.tasks.tools import HANDLE, IMPACT, RAISED, THROUGH
 from arms import addresses, physics, state

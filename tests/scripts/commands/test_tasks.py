@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import TASKS
-from activesuit.envs.levels import LEVELS
+from activesuit.envs.domain.levels import LEVELS
 from helpers import run, shorten_tasks
 
 

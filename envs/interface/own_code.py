@@ -7,23 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..errors import InputError, shown
+from ...arrays import Array
+from ...errors import InputError, shown
 
 Rewarding = Callable[[Mapping[str, Array], Mapping[str, NDArray]], Array]
 
 
 def imported(what: str, place: str, kind: str) -> Any:
-    """Returns what stands at a place.
-
-    Args:
-        what: What the place is of, for the message, such as "policy".
-        place: The place as "package.module:name".
-        kind: What stands there, such as "class".
-
-    Raises:
-        InputError: There is no such module or name, or the module fails.
-    """
+    """Returns what stands at "package.module:name", a class for example (`kind`)."""
     module, _, name = place.partition(":")
     try:
         return getattr(import_module(module), name)

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from ..errors import InputError, unknown_name
-from .model.config import NO_SUIT
+from ...errors import InputError, unknown_name
+from ..model.config import NO_SUIT
 from .randomization import Randomization
 
 NOMINAL = "nominal"  # where nothing differs

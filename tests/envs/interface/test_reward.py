@@ -9,12 +9,12 @@ import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate, rollout, score
+from activesuit.envs.interface.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import NoAssist, make_policy
-from activesuit.envs.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
-from activesuit.envs.simulation.wearer_control import USUAL
+from activesuit.envs.simulation.wearer_control import COCONTRACTION
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from arms import addresses, physics
@@ -46,7 +46,7 @@ def test_rewards_by_hand(motion):
     strength = isometric_strength(env.config.wearer)
     low, high = strength_limits(strength, motion.angle, np.zeros_like(motion.angle))
     torque = motion.human_torque
-    usual = VoluntaryControl().impedance(env.config.wearer)[USUAL]
+    usual = VoluntaryControl().impedance(env.config.wearer)[COCONTRACTION]
     pulls = (np.maximum(torque, 0) + usual) / high, (np.maximum(-torque, 0) + usual) / -low
     effort = np.maximum(*pulls)
     np.testing.assert_allclose(motion.effort, effort, rtol=1e-9)

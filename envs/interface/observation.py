@@ -5,17 +5,18 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from gymnasium.spaces import Box
 from numba import njit
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..assets import JOINTS
-from ..errors import InputError, shown, unknown_name
-from .simulation.bound_kernels import bound, thawed
-from .simulation.measurements import WIDTH
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError, shown, unknown_name
+from ..simulation.bound_kernels import bound
+from ..simulation.measurements import WIDTH
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Part:
     shows: str
 
 
+DEFAULT_SENSORS = ("encoders",)
 SUITES: dict[str, tuple[Part, ...]] = {
     "encoders": (
         Part(
@@ -95,6 +97,14 @@ BELIEF = slice(WIDTH, WIDTH + len(JOINTS))  # its place is behind the measuremen
 NOISY = ("cuffs", "interaction", "emg")  # suites whose sensors have random noise
 
 
+class Picked(NamedTuple):
+    """Columns that an observation shows, what multiplies each, and its limit, shape (size,)."""
+
+    columns: NDArray[np.int64]
+    factor: Array
+    limit: NDArray[np.float32]
+
+
 class Observer:
     """Picks observations out of measurements.
 
@@ -138,17 +148,12 @@ class Observer:
         self._index = np.array(index, np.int64)
         self._factor, self._limit = np.array(factors), np.array(limits, np.float32)
         like = np.empty((1, 1)), np.empty((1, 1)), np.empty((1, 1), np.float32)
-        self._pick = bound(_pick, like, (self._index, self._factor, self._limit))
+        self._pick = bound(_pick, like, Picked(self._index, self._factor, self._limit))
         limit = np.tile(self._limit, history)
         self.space = Box(-limit, limit, dtype=np.float32)
 
     def __call__(self, measured: Array, belief: Array) -> NDArray[np.float32]:
-        """Returns new observations without history, clipped to their limits, shape (n, size).
-
-        Args:
-            measured: Measurements of n rows, shape (n, columns).
-            belief: Torques of the suite "belief" [N·m], shape (n, 4).
-        """
+        """Returns new observations without history, clipped to their limits, shape (n, size)."""
         observation = np.empty((len(measured), len(self._index)), np.float32)
         self._pick(measured, belief, observation)
         return observation
@@ -156,7 +161,7 @@ class Observer:
 
 @njit(cache=True)
 def _pick(measured, belief, observation, picked) -> None:
-    index, factor, limit = thawed(picked)
+    index, factor, limit = picked.columns, picked.factor, picked.limit
     for row in range(measured.shape[0]):
         for j in range(index.shape[0]):
             i = index[j]

@@ -5,9 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
+from activesuit.envs.domain.levels import LEVELS, with_level
+from activesuit.envs.domain.randomization import Randomization
 from activesuit.envs.evaluation.run import reference_options
-from activesuit.envs.levels import LEVELS, with_level
-from activesuit.envs.randomization import Randomization
 from arms import assert_same_states
 
 

@@ -6,14 +6,14 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..assets import JOINTS, Suit, SuitJoint
-from ..checks import within
-from ..errors import InputError, shown, unknown_name
-from .model import ArmConfig, Payload, suit_of_config
-from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
-from .person import Person
-from .provenance import check_settings, setting
-from .simulation.plan import Plan
+from ...assets import JOINTS, Suit, SuitJoint
+from ...checks import within
+from ...errors import InputError, shown, unknown_name
+from ..model import ArmConfig, Payload, suit_of_config
+from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
+from ..person import Person
+from ..provenance import check_settings, setting
+from ..simulation.episode_plan import Plan
 
 SuitChoice = Literal["nominal", "samples"]
 LARGEST_SHARE = 0.5
@@ -110,15 +110,7 @@ class Randomization:
         return drawn or self.pressure > 0 or self.cycles is not None
 
     def suits_for(self, config: ArmConfig) -> tuple[Suit, ...]:
-        """Returns the suits of which one is drawn in each episode, at their pressures.
-
-        Args:
-            config: Configuration of the arms.
-
-        Raises:
-            InputError: There is no suit, none has the samples that are asked for, or the coupling
-                has no cuffs, which a misalignment needs.
-        """
+        """Returns the suits of which one is drawn in each episode, at their pressures."""
         if self.misalignment > 0 and config.coupling != "cuffs":
             raise InputError(
                 f"randomize.misalignment is {self.misalignment:g} m, but coupling is "
@@ -149,12 +141,7 @@ class Randomization:
         return suits
 
     def suit_of(self, suits: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
-        """Returns the suit of an episode, by joint; None is that of the configuration.
-
-        Args:
-            suits: Suits of which one is drawn.
-            streams: Random generators of the episode.
-        """
+        """Returns the suit of an episode, by joint; None is that of the configuration."""
         if not suits:
             return None
         number = int(streams("suits").integers(len(suits))) if self.suits else 0

@@ -38,15 +38,7 @@ class Plan:
 
 
 def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, pushes: bool) -> Plan:
-    """Returns a plan whose arrays are finite and in range, as new arrays where they were not.
-
-    Args:
-        plan: Plan that a task has made.
-        samples: Number of samples of an episode.
-        ranges: Ranges of the joints [rad], shape (4, 2).
-        carries: Whether the arms can carry a load that changes.
-        pushes: Whether the model has motors that push the grip.
-    """
+    """Returns a plan whose arrays are finite and in range, as new arrays where they were not."""
     if not isinstance(plan, Plan):
         raise InputError(f"the task's plan is {shown(plan)}: return a Plan")
     motion = valid_motion(plan.motion, samples, ranges)
@@ -95,13 +87,7 @@ def _numbers(name: str, given: Any) -> Array:
 
 
 def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
-    """Checks that an arm can carry out an intended motion, and returns the motion.
-
-    Args:
-        motion: Angle, rate and acceleration.
-        samples: Number of samples of an episode.
-        ranges: Ranges of the joints [rad], shape (4, 2).
-    """
+    """Checks that an arm with some ranges of joints [rad], shape (4, 2), can carry out a motion."""
     if not isinstance(motion, list | tuple) or len(motion) != 3:
         raise InputError(
             f"the task's motion is {shown(motion)}: return angle, rate and acceleration"

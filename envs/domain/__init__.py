@@ -1,0 +1,1 @@
+"""What differs between episodes: levels, and the draws of each episode."""
