@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from .corrections.corrections import Corrections, is_open
 from .data.curves import Curve, Curves
 from .data.files import Motion
@@ -26,6 +26,7 @@ from .fit_curves import (
     run_threads,
 )
 from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
+from .fits.parameters import FREE, Constraints, parameter_limits, parameters_of
 from .fits.registry import FITS, Fitted, fit_model
 from .judging.coverage import Coverage, loops_suffice, motion_coverage
 from .judging.ensemble import (
@@ -145,7 +146,9 @@ def _candidate(
     def fitted(some: Sequence[Curve]) -> Fitted:
         return fit_model(name, some, np.random.default_rng(seed), **options)
 
+    constraints: Constraints = options.get("constraints", FREE)
     try:
+        constraints.check(name, options)
         errors = []
         for question in asked:
             found = fitted(question.known)
@@ -155,11 +158,12 @@ def _candidate(
         on_fit = torque_errors(found.model, found.initial_torque, curves)
     except InputError as error:
         return Candidate(name=name, reason=str(error))
+    known = sum(one.state != "free" for one in parameters_of(found.model, constraints))
     return Candidate(
         name=name,
         model=found.model,
         initial_torque=found.initial_torque,
-        parameters=found.model.free_parameters,
+        parameters=found.model.free_parameters - known,
         prediction_nrmse=nrmse(np.concatenate(errors), curves),
         prediction_errors=np.concatenate(errors),
         fit_nrmse=nrmse(on_fit, curves),
@@ -230,7 +234,9 @@ class Selection:
         if self.ensemble is None:
             return self.fit.uncertainty(samples=samples, seed=seed)
         found, fit = self.fit.uncertainty(seed=seed), self.fit
-        members = drawn(self.ensemble, fit.curves, fit.initial_torque, samples, seed)
+        members = drawn(
+            self.ensemble, fit.curves, fit.initial_torque, samples, seed, fit.constraints
+        )
         rivals = (name for one in members for name in one.offset_open if name not in ITS_OWN)
         return replace(
             found,
@@ -244,6 +250,8 @@ def select(
     curves: Sequence[Curve],
     *,
     corrections: Corrections = NONE,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
     initial_torque: InitialTorque | None = None,
     seed: int = 0,
     workers: int = -1,
@@ -263,6 +271,8 @@ def select(
         corrections: What is taken off the curves, or fitted beside the models; tare and softening
             are those of Jiles-Atherton. A fitted tare that a model as good leaves open is not taken
             off: the models are fitted again without one, and the first remark of the fit says so.
+        fixed: Parameters that keep a value, see `fit_curves`; models without one are not chosen.
+        bounds: Lower and upper bound of parameters, likewise.
         initial_torque: The torque with which the curves begin, as in `fit_curves`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
@@ -286,9 +296,12 @@ def select(
     start: dict[str, Any] = {} if initial_torque is None else {"initial_torque": initial_torque}
     if needed is None and intended:
         needed = motion_coverage(intended)
-    ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed)
+    constraints = Constraints(fixed or {}, bounds or {})
+    _refuse_unknown_parameters(constraints, corrections)
+    ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed, constraints)
     refuse_weights(ready.measured)
-    ways = dict.fromkeys(FITS, corrections.beside) | {DEFAULT_MODEL: start | corrections.beside}
+    beside = corrections.beside | {"constraints": constraints}
+    ways = dict.fromkeys(FITS, beside) | {DEFAULT_MODEL: start | beside}
     choice = choose(
         ready.measured, seed=seed, workers=workers, options=ways, on_candidate=on_candidate
     )
@@ -300,6 +313,8 @@ def select(
             whole = select(
                 curves,
                 corrections=replace(corrections, tare=0.0),
+                fixed=fixed,
+                bounds=bounds,
                 initial_torque=initial_torque,
                 seed=seed,
                 workers=workers,
@@ -320,6 +335,7 @@ def select(
         "auto",
         [trial],
         needed,
+        constraints=constraints,
         fitted_start=fits_start(choice.chosen.name, initial_torque),
         interrupted=choice.interrupted,
         memoryless=choice.unneeded,
@@ -344,6 +360,16 @@ def select(
         ensemble=members,
         agreement=alike,
     )
+
+
+def _refuse_unknown_parameters(constraints: Constraints, corrections: Corrections) -> None:
+    """Refuses names that no model has; models without one of them are left out."""
+    known = {
+        name for kind in FITS for name in parameter_limits(kind, corrections.beside, "certified")
+    }
+    for name in constraints.names:
+        if name.partition("[")[0] not in known:
+            raise unknown_name("parameter", name, known)
 
 
 def _open_offset(

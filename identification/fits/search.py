@@ -161,12 +161,29 @@ class Search:
         return self._differences(point) if self.derivatives is None else self._exact(point)
 
     def _minimize(self, start: Array) -> float:
-        """Runs least squares from a start; returns the score, penalty included, where it ended."""
+        """Runs least squares from a start; returns the score, penalty included, where it ended.
+
+        A coordinate with equal bounds is fixed.
+        """
+        free = self.problem.low < self.problem.high
+        if not free.any():
+            residual = self.residual(start)
+            return float(np.sqrt(residual @ residual / (residual.size - 1)))
+
+        def whole(moved: Array) -> Array:
+            point = start.copy()
+            point[free] = moved
+            return point
+
+        def slopes(moved: Array) -> Array:
+            every = self.jacobian(whole(moved))
+            return every if free.all() else every[:, free]
+
         result = least_squares(
-            self.residual,
-            start,
-            jac=self.jacobian,  # type: ignore[arg-type]
-            bounds=(self.problem.low, self.problem.high),
+            lambda moved: self.residual(whole(moved)),
+            start[free],
+            jac=slopes,  # type: ignore[arg-type]
+            bounds=(self.problem.low[free], self.problem.high[free]),
             x_scale="jac",
             ftol=STALLED,
             xtol=STALLED,
@@ -186,7 +203,8 @@ class Search:
         # Away from the nearer bound, so that every point stays inside the box.
         middle = (self.problem.low + self.problem.high) / 2
         step = np.where(point > middle, -DIFFERENCE, DIFFERENCE)
-        columns = [self.residual(moved) for moved in point + np.diag(step)]
+        moves = zip(point + np.diag(step), self.problem.low < self.problem.high, strict=True)
+        columns = [self.residual(moved) if is_free else value for moved, is_free in moves]
         return ((np.array(columns) - value) / step[:, None]).T
 
 

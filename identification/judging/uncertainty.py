@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from typing import Any
+
 import numpy as np
 from scipy.special import stdtrit
 
@@ -18,6 +20,7 @@ from ..data.curves import Curve, Curves
 from ..data.parts import thinned
 from ..fits.certified import refined
 from ..fits.objective import CurveObjective, InitialTorque, sample_weights, torque_errors
+from ..fits.parameters import FREE, Constraints
 from ..fits.registry import FITS, fit_model, play_of, rate_of, without_play
 from ..fits.search import MARGIN
 from ..fits.tangent import STEP, Coordinates, coordinates_of, tangent
@@ -103,6 +106,7 @@ def uncertainty(
     *,
     initial_torque: InitialTorque = 0.0,
     fitted_start: bool = False,
+    constraints: Constraints = FREE,
     samples: int = 0,
     seed: int = 0,
 ) -> Uncertainty:
@@ -114,6 +118,8 @@ def uncertainty(
             samples only those count that `thinned` leaves, which widens the intervals.
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
+        constraints: Parameters that the user fixed or bounded. A fixed one, or one at its bound,
+            counts as known.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
             as that of the residual, an offset and a damping that the curves allow are fitted anew.
         seed: Seed of all that is drawn.
@@ -121,7 +127,9 @@ def uncertainty(
     at_least("samples", samples, 0)
     check_seed(seed)
     measured = thinned(Curves(curves).fitted())
-    coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
+    coordinates = coordinates_of(
+        model, initial_torque, fitted_start=fitted_start, constraints=constraints
+    )
     sizes = [curve.torque.size for curve in measured]
     if sum(sizes) <= coordinates.values.size:
         raise InputError(
@@ -146,7 +154,7 @@ def uncertainty(
     deviation = np.sqrt(np.diag(covariance))
     repeated = _repetitions(model, initial_torque, measured, noise, allowed, samples, seed)
     refits = tuple(
-        _refitted(model, one, initial_torque, fitted_start, damping, seed)
+        _refitted(model, one, initial_torque, fitted_start, constraints, damping, seed)
         for one, damping in repeated
     )
     steps = np.where(
@@ -159,7 +167,7 @@ def uncertainty(
         correlation=covariance / np.outer(deviation, deviation),
         condition=float(np.linalg.cond(slopes * steps)),
         sloppy=(
-            *_directions(model, measured, initial_torque, fitted_start),
+            *([] if constraints else _directions(model, measured, initial_torque, fitted_start)),
             *open_ends(coordinates, intervals),
         ),
         intervals=intervals,
@@ -313,6 +321,7 @@ def _refitted(
     curves: Sequence[Curve],
     initial_torque: InitialTorque,
     fitted_start: bool,
+    constraints: Constraints,
     damping: float,
     seed: int,
 ) -> HysteresisModel:
@@ -322,10 +331,13 @@ def _refitted(
     inner, name = _bare(model), kind_of(model)
     if inner is not None:
         row, start = _row(inner, initial_torque, fitted_start)
-        found: HysteresisModel = refined(curves, row, initial_torque=start).model
+        found: HysteresisModel = refined(
+            curves, row, initial_torque=start, constraints=constraints
+        ).model
     elif name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
     else:
         rng, rate, play = np.random.default_rng(seed), rate_of(model), play_of(model)
-        found = fit_model(name, curves, rng, rate=rate, play=play).model
+        options: dict[str, Any] = {"rate": rate, "play": play, "constraints": constraints}
+        found = fit_model(name, curves, rng, **options).model
     return Viscoelastic(model=found, damping=damping) if damping > 0 else found
