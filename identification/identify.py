@@ -85,7 +85,8 @@ def identify(
     given = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
     if method is None:
         method = CERTIFIED
-        if all(one is None for one in given.values()) and _is_divisible(family):
+        is_open = all(one is None for one in given.values()) and not (fixed or bounds)
+        if is_open and _is_divisible(family):
             method = AUTO
             notes.append("method auto, since this is one record of several cycles")
     needed = _needed(family, use, intended)

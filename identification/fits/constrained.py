@@ -42,8 +42,8 @@ def constrained_fit(
     """
     problem = _Constrained(found, Curves(curves).fitted(), constraints)
     free = int(np.count_nonzero(problem.low < problem.high))
-    search = Search(problem, SCREENED + RUNS * (free + 1))
-    around = sobol_points(problem.near[0], problem.near[1], SCREENED - 1, rng)
+    search = Search(problem, SCREENED + 1 + RUNS * (free + 1))
+    around = sobol_points(problem.near[0], problem.near[1], SCREENED, rng)
     starts = search.screened(np.vstack([problem.start, around]))
     search.run(starts, problem.floor, AGREEING)
     if search.best is None:
@@ -69,7 +69,8 @@ class _Constrained:
         user = constraints.ends_of([one.name for one in self.parameters])
         self.scale = np.array([self._size(one) for one in self.parameters] + [self.peak])
         self.is_log = np.array([_is_log(one) for one in self.parameters] + [False])
-        self.least = np.array([one.least for one in self.parameters] + [0.0])
+        least = [one.least if math.isfinite(one.least) else 0.0 for one in self.parameters]
+        self.least = np.array([*least, 0.0])
         values = np.array([one.value for one in self.parameters])
         start = found.initial_torque if not isinstance(found.initial_torque, str) else 0.0
         self.start = self._coordinates(np.append(values, start))
@@ -86,7 +87,8 @@ class _Constrained:
     def at(self, point: Array) -> tuple[HysteresisModel, InitialTorque]:
         """Returns model and torque at the beginning of a point."""
         with np.errstate(over="ignore"):
-            values = np.where(self.is_log, self.least + np.exp(point), point * self.scale).tolist()
+            folds = self.least + np.exp(np.where(self.is_log, point, 0.0))
+            values = np.where(self.is_log, folds, point * self.scale).tolist()
         numbers = {
             one.path: min(max(value, one.low), one.high)
             for one, value in zip(self.parameters, values[:-1], strict=True)

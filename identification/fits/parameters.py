@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, cast
 
@@ -71,10 +71,11 @@ class Constraints:
         """Returns whether any of some parameters is fixed or bounded."""
         return any(self.ends(name) != EVERY for name in names)
 
-    def concern(self, names: Iterable[str]) -> bool:
-        """Returns whether any of some parameters, or of the lists that they are in, is named."""
-        bases = {name.partition("[")[0] for name in names}
-        return any(name.partition("[")[0] in bases for name in self.names)
+    def hold(self, model: HysteresisModel) -> bool:
+        """Returns whether a fitted model obeys the constraints on its own parameters."""
+        every = parameters_of(model, self)
+        self.ends_of([one.name for one in every])  # refuses an index that the model does not have
+        return all(one.low <= one.value <= one.high for one in every)
 
     def ends(self, name: str) -> Ends:
         """Returns the lowest and the highest value that are allowed; both are that of a fixed one.

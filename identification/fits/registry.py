@@ -29,7 +29,7 @@ from .beside_polynomial import fit_asymmetric, fit_bouc_wen, fit_dahl, fit_duhem
 from .certified import certified_fit, common_torque
 from .constrained import constrained_fit
 from .objective import Fitted, InitialTorque, price, scored, times_of, torque_errors
-from .parameters import FREE, Constraints, bounded_least_squares, parameters_of
+from .parameters import FREE, Constraints, bounded_least_squares
 from .search import least_of
 from .tangent import beside, coordinates_of, independent, tangent
 from .weights import fit_hinged_stops, fit_prandtl_ishlinskii, fit_preisach
@@ -306,8 +306,7 @@ def fit_model(
     found = FITS[name](curves, **options)
     if isinstance(found, HysteresisModel):
         found = scored(found, common_torque(found, curves), curves)
-        names = (one.name for one in parameters_of(found.model))
-        if "constraints" not in takes and constraints.concern(names):
+        if constraints and not constraints.hold(found.model):
             return constrained_fit(found, curves, constraints, rng)
         return found
     agreed, starts = (getattr(found, name, None) for name in ("agreed", "starts"))

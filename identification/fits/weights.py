@@ -86,7 +86,9 @@ def fit_preisach(
 
 
 def fit_prandtl_ishlinskii(
-    curves: Sequence[Curve], thresholds: int | Sequence[float] = 20
+    curves: Sequence[Curve],
+    thresholds: int | Sequence[float] = 20,
+    constraints: Constraints = FREE,
 ) -> PrandtlIshlinskii:
     """Fits a dissipative Prandtl-Ishlinskii model of stops by non-negative least squares.
 
@@ -97,6 +99,7 @@ def fit_prandtl_ishlinskii(
     Args:
         curves: First-order curves, which all begin at one angle; those with role "fit" are used.
         thresholds: The thresholds [rad], or how many to spread evenly over the longest way out.
+        constraints: Weights and stiffness that are fixed or bounded; a rest angle is not.
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
@@ -112,7 +115,10 @@ def fit_prandtl_ishlinskii(
         )
     sliders = [PrandtlIshlinskii(stiffness=0, thresholds=[r], weights=[1]) for r in grid]
     spring = np.concatenate([curve.angle - curve.angle[0] for curve in curves])[:, None]
-    offsets, slopes, weights = _least_squares(curves, spring, responses(curves, sliders))
+    names = ["stiffness"] + [f"weights[{i}]" for i in range(len(sliders))]
+    ends = constraints.ends_of(names) if constraints else None
+    columns = spring, responses(curves, sliders)
+    offsets, slopes, weights = _least_squares(curves, *columns, ends=ends)
     stiffness = float(slopes[0])
     first_torque = float(np.mean(offsets))
     return PrandtlIshlinskii(
