@@ -223,9 +223,7 @@ def prepared(
 
     def fitted(some: Curves) -> Fitted:
         rng = np.random.default_rng(seed)
-        return fit_model(
-            model, some, rng, constraints=constraints, **start, **corrections.beside
-        )
+        return fit_model(model, some, rng, constraints=constraints, **start, **corrections.beside)
 
     return corrected(Curves(curves), family, measured, corrections, fitted)
 

@@ -132,21 +132,23 @@ def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
     """Returns one row per parameter: value, standard error and 95 % interval."""
     header = ["parameter", "value", "standard\nerror", "95 % interval"]
     units = _units(fit.model) | {"initial_torque": "N·m"}
-    rows = []
-    for i, name in enumerate(found.names[:MOST_ROWS]):
-        low, high = found.intervals[i]
-        base, bracket, number = name.partition("[")
-        rows.append(
-            [
-                labeled(base, units).replace(base, base + bracket + number, 1),
-                f"{found.values[i]:.5g}",
-                f"{found.standard_errors[i]:.2g}",
-                f"{low:.5g} .. {high:.5g}",
-            ]
-        )
-    if len(found.names) > MOST_ROWS:
-        rows.append([f"{len(found.names) - MOST_ROWS} more in result.json", "", "", ""])
+    known = [one for one in fit.parameters if one.state != "free"]
+    sure = zip(found.names, found.values, found.standard_errors, found.intervals, strict=True)
+    rows = [
+        [_labeled(name, units), f"{value:.5g}", f"{error:.2g}", f"{low:.5g} .. {high:.5g}"]
+        for name, value, error, (low, high) in sure
+    ]
+    rows += [[_labeled(one.name, units), f"{one.value:.5g}", "", one.state] for one in known]
+    more = len(rows) - MOST_ROWS
+    if more > 0:
+        rows[MOST_ROWS:] = [[f"{more} more in result.json", "", "", ""]]
     return header, rows
+
+
+def _labeled(name: str, units: Mapping[str, str]) -> str:
+    """Returns the name of a number with its unit, that of one in a list with its index."""
+    base, bracket, index = name.partition("[")
+    return labeled(base, units).replace(base, base + bracket + index, 1)
 
 
 def _units(model: HysteresisModel) -> dict[str, str]:
@@ -165,6 +167,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "initial_torque": fit.initial_torque,
         "tare": fit.tare,
         "softening": fit.softening and fit.softening._asdict(),
+        "constraints": asdict(fit.constraints),
         "fitness": fit.fitness,
         "nrmse": fit.nrmse,
         "prediction_max_error": fit.prediction_errors,
@@ -351,6 +354,10 @@ class Identification:
         start = fit.initial_torque
         begins = start if isinstance(start, str) else f"{start:.5g}"
         rows = [*rows, ["initial torque [N·m]", begins]]
+        for state in ("fixed", "at its bound"):
+            names = [one.name for one in fit.parameters if one.state == state]
+            shown = names[:MOST_ROWS] + (["..."] if len(names) > MOST_ROWS else [])
+            rows += [[state, "\n".join(shown)]] if names else []
         if fit.tare:
             rows.append(["tare [N·m]", f"{fit.tare:.5g}{self._deviation()}"])
         if fit.softening:

@@ -364,9 +364,7 @@ def shortfall(
     return min(max(MARGIN - margin, MARGIN / 2 + excess, 0.0), 1.0)
 
 
-def shape_box(
-    curves: Sequence[Curve], constraints: Constraints = FREE
-) -> tuple[Array, Array]:
+def shape_box(curves: Sequence[Curve], constraints: Constraints = FREE) -> tuple[Array, Array]:
     """Returns the lower and upper bounds of the first four coordinates, (4,) each."""
     start = max(abs(float(np.degrees(curve.angle[0]))) for curve in curves)
     a, excess = constraints.box("a", SHAPE, 0.0), EXCESS

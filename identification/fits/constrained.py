@@ -16,7 +16,8 @@ from .parameters import Constraints, Parameter, parameters_of, with_values
 from .search import AGREEING, MARGIN, REJECTED, Evaluation, Search, sobol_points
 
 SCREENED = 32
-RUNS = 100  # evaluations per coordinate
+STALLED = 1e-8  # relative change that ends a run; physical parameters depend on each other
+RUNS = 200  # evaluations per coordinate
 FOLDS = 12.0  # range of the logarithm of a parameter to either side of the free fit
 FARTHEST = 1e3  # range of other parameters, over their size
 SPREAD = 1.5  # range of the starts to either side, in folds or sizes
@@ -42,7 +43,7 @@ def constrained_fit(
     """
     problem = _Constrained(found, Curves(curves).fitted(), constraints)
     free = int(np.count_nonzero(problem.low < problem.high))
-    search = Search(problem, SCREENED + 1 + RUNS * (free + 1))
+    search = Search(problem, SCREENED + 1 + RUNS * (free + 1), stalled=STALLED)
     around = sobol_points(problem.near[0], problem.near[1], SCREENED, rng)
     starts = search.screened(np.vstack([problem.start, around]))
     search.run(starts, problem.floor, AGREEING)

@@ -45,6 +45,9 @@ class Constraints:
     bounds: Mapping[str, Ends] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        for name, given in (("fixed", self.fixed), ("bounds", self.bounds)):
+            if not isinstance(given, Mapping):
+                raise InputError(f"{name} is {shown(given)}: give a dictionary by parameter name")
         for name, value in self.fixed.items():
             number(f"fixed {name}", value)
         for name, pair in self.bounds.items():
@@ -116,7 +119,9 @@ class Constraints:
         if low > high and given_low == low:  # the usual box lies below the user's bounds
             high = low + (abs(low) or 1.0) / INSIDE
         elif low > high:
-            low = least + INSIDE * (high - least) if least > -math.inf else high - abs(high) / INSIDE
+            low = (
+                least + INSIDE * (high - least) if least > -math.inf else high - abs(high) / INSIDE
+            )
         return low, high
 
     def check(self, kind: str, beside: Mapping[str, str], method: str = "certified") -> None:
@@ -224,15 +229,14 @@ class Parameter(NamedTuple):
         """One of "free", "fixed" and "at its bound"."""
         if self.low == self.high:
             return "fixed"
-        near = [NEAR * min(abs(end) or math.inf, self.high - self.low) for end in self[4:6]]
-        away = self.value - self.low, self.high - self.value
-        at_end = any(gap <= tolerance for gap, tolerance in zip(away, near, strict=True))
-        return "at its bound" if at_end and self[4:6] != EVERY else "free"
+        finite = [end for end in (self.low, self.high) if math.isfinite(end)]
+        near = [NEAR * min(abs(end) or math.inf, self.high - self.low) for end in finite]
+        gaps = [abs(self.value - end) for end in finite]
+        is_there = any(gap <= least for gap, least in zip(gaps, near, strict=True))
+        return "at its bound" if is_there else "free"
 
 
-def parameters_of(
-    model: HysteresisModel, constraints: Constraints = FREE
-) -> tuple[Parameter, ...]:
+def parameters_of(model: HysteresisModel, constraints: Constraints = FREE) -> tuple[Parameter, ...]:
     """Returns all parameters that a fit of a model chooses, or that the user fixed."""
     return tuple(_parameters((), model.to_dict(), constraints))
 

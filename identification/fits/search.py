@@ -82,7 +82,11 @@ class Search:
     """
 
     def __init__(
-        self, problem: Problem, budget: int, derivatives: Derivatives | None = None
+        self,
+        problem: Problem,
+        budget: int,
+        derivatives: Derivatives | None = None,
+        stalled: float = STALLED,
     ) -> None:
         """Prepares a search.
 
@@ -90,7 +94,9 @@ class Search:
             problem: Problem to minimize.
             budget: Largest number of evaluations.
             derivatives: The exact derivatives of the problem; by default they are differences.
+            stalled: Relative change of cost or point that ends one least-squares run.
         """
+        self.stalled = stalled
         self.problem, self.budget, self.derivatives = problem, budget, derivatives
         self.best: Array | None = None
         self.score, self.evaluations = np.inf, 0
@@ -185,8 +191,8 @@ class Search:
             jac=slopes,  # type: ignore[arg-type]
             bounds=(self.problem.low[free], self.problem.high[free]),
             x_scale="jac",
-            ftol=STALLED,
-            xtol=STALLED,
+            ftol=self.stalled,
+            xtol=self.stalled,
         )
         return float(np.sqrt(2 * result.cost / (result.fun.size - 1)))
 
