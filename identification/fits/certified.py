@@ -13,9 +13,9 @@ from ...checks import at_least
 from ...errors import InputError
 from ...hysteresis.around import Clipped
 from ...hysteresis.jiles_atherton import coordinates
+from ...hysteresis.jiles_atherton.coordinates import LOG_EXCESS, LOG_MS, LOG_REACH, STEEPNESS
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
-from ...hysteresis.jiles_atherton.coordinates import LOG_EXCESS, LOG_MS, LOG_REACH, STEEPNESS
 from ...hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves, noise_floor

@@ -120,7 +120,7 @@ class _Constrained:
         return min(max(MARGIN - certificate.margin, 0.0), 1.0)
 
     def safe(self, model: HysteresisModel) -> HysteresisModel:
-        """Returns a model whose torque is constant outside the curves, if only that is certified."""
+        """Returns a model with constant torque outside the curves, if only that is certified."""
         if not isinstance(model, Asymmetric) or isinstance(model.model, Clipped):
             return model
         if model.certificate().margin >= MARGIN / 2:

@@ -132,6 +132,8 @@ class Constraints:
             beside: What is fitted beside it: its rate and play, where these are asked for.
             method: Name of the method.
         """
+        if not self:
+            return
         known = parameter_limits(kind, beside, method)
         for name in self.names:
             base, bracket, _ = name.partition("[")
