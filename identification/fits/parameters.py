@@ -51,8 +51,11 @@ class Constraints:
         for name, value in self.fixed.items():
             number(f"fixed {name}", value)
         for name, pair in self.bounds.items():
-            ends = pair if isinstance(pair, (tuple, list)) and len(pair) == 2 else ("", "")
-            if any(isinstance(end, str | bool) for end in ends) or not ends[0] < ends[1]:
+            try:
+                low, high = (float(end) for end in ([] if isinstance(pair, str) else pair))
+            except (TypeError, ValueError):
+                low = high = math.nan
+            if not low < high:
                 raise InputError(
                     f"bounds of {name} are {shown(pair)}: give two numbers (low, high), low < high"
                 )

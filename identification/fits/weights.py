@@ -192,8 +192,9 @@ def _least_squares(
         low[: len(curves)] = -np.inf
         low[-positive.shape[1] :] = np.maximum(low[-positive.shape[1] :], 0)
         both = np.asarray(np.linalg.qr(np.column_stack([design, target]), mode="r"))
-        found, _ = bounded_least_squares(both[:, :-1], both[:, -1], low, high)
-        return tuple(np.split(found, [len(curves), len(curves) + free.shape[1]]))
+        x, _ = bounded_least_squares(both[:, :-1], both[:, -1], low, high)
+        offsets, slopes, weights = np.split(x, [len(curves), len(curves) + free.shape[1]])
+        return offsets, slopes, weights
     # What the free columns can explain drops out, then a triangle says the same in fewer rows.
     first, last = np.split(design, [len(curves) + free.shape[1]], axis=1)
     basis, triangle = np.linalg.qr(first)
