@@ -17,7 +17,8 @@ from .swarms.variants import OPTIMIZERS, options_of
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
 EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2
-SET_BY_IDENTIFY = ("curves", "objective", "bounds", "constraints", "rng", "initial_torque")
+CALLED = ("curves", "objective", "bounds", "callback")
+SET_BY_IDENTIFY = (*CALLED, "constraints", "rng", "initial_torque")
 TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
 
