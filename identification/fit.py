@@ -1,6 +1,6 @@
 """The result of an identification: a model, its errors, its verdict and remarks."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
@@ -15,6 +15,7 @@ from .data.curves import Curve, Curves
 from .data.parts import FITTED
 from .fits.magnetic import FORMS
 from .fits.objective import Fitted, InitialTorque, nrmse, predicted, torque_errors
+from .fits.parameters import FREE, Constraints, Parameter, parameters_of
 from .judging.coverage import NESTED, Coverage, coverage, shortfalls
 from .judging.judgement import Judgement, judge
 from .judging.recording import IF_WRONG, recording_faults
@@ -24,6 +25,7 @@ from .judging.uncertainty import Uncertainty, uncertainty
 from .methods import Magnetic, Method, Search
 
 ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
+MOST_NAMED = 3  # parameters in one remark
 OLD_NAMES = {
     "diagnostics": "remarks",
     **{name: f"select(curves).{name}" for name in ("why", "candidates", "ensemble", "band")},
@@ -70,6 +72,7 @@ class Fit:
         tare: Offset of the torque sensor that was subtracted from the curves [N·m].
         softening: Change of the torque over the cycles that was removed from the curves; None if
             none was.
+        constraints: Parameters that the user fixed or bounded.
         judgement: Verdict on the model by its residual; None where the model meets its pole on the
             curves.
     """
@@ -92,6 +95,7 @@ class Fit:
     shortfalls: tuple[Remark, ...] = ()
     tare: float = 0.0
     softening: Softening | None = None
+    constraints: Constraints = FREE
 
     def __getattr__(self, name: str) -> Any:
         if name in OLD_NAMES:
@@ -115,6 +119,11 @@ class Fit:
     def starts(self) -> int | None:
         """How many starts the best trial took; None likewise."""
         return self._best_trial.starts
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters of the model that the fit chose, or that the user fixed."""
+        return parameters_of(self.model, self.constraints)
 
     @property
     def _best_trial(self) -> Trial:
@@ -142,6 +151,7 @@ class Fit:
             self.fitted_curves,
             initial_torque=self.initial_torque,
             fitted_start=self.fitted_start,
+            constraints=self.constraints,
             samples=samples,
             seed=seed,
         )
@@ -155,6 +165,7 @@ def judged_fit(
     trials: Sequence[Trial],
     needed: Coverage | None,
     *,
+    constraints: Constraints,
     fitted_start: bool,
     interrupted: bool,
     memoryless: Remark | None = None,
@@ -168,6 +179,7 @@ def judged_fit(
         method: Method that found it, or a name for it.
         trials: Finished trials.
         needed: Coverage of the intended motions.
+        constraints: Parameters that the user fixed or bounded.
         fitted_start: Whether the fit chose the torque with which the curves begin.
         interrupted: Whether Ctrl-C ended it before all trials were done.
         memoryless: Why no hysteresis model is needed; None if one is.
@@ -190,6 +202,7 @@ def judged_fit(
         best.initial_torque,
         curves.judged,
         fitted_start=fitted_start,
+        constraints=constraints,
         beyond=bool(short) if needed else covered.nesting < NESTED,
         searched=is_search and method.objective != "robust" and method.normalize != "curve",
     )
@@ -199,6 +212,7 @@ def judged_fit(
     faults = recording_faults(curves.read.fitted())
     remarks = [one for one in faults if doubted or one.code not in IF_WRONG]
     remarks += diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None)
+    remarks += _at_bounds(parameters_of(best.model, constraints))
     remarks += judged.remarks if judged else ()
     if isinstance(method, Magnetic):
         remarks += _alike_forms(trials, measured)
@@ -228,7 +242,17 @@ def judged_fit(
         shortfalls=tuple(short),
         tare=curves.tare,
         softening=curves.softening,
+        constraints=constraints,
     )
+
+
+def _at_bounds(parameters: Iterable[Parameter]) -> list[Remark]:
+    """Returns a remark on the parameters that ended at a bound of the user."""
+    ended = [f"{one.name} = {one.value:.5g}" for one in parameters if one.state == "at its bound"]
+    if not ended:
+        return []
+    shown = ", ".join(ended[:MOST_NAMED]) + (", ..." if len(ended) > MOST_NAMED else "")
+    return [Remark("limit given", {"names": shown})]
 
 
 def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:

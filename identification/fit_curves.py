@@ -1,15 +1,17 @@
 """`fit_curves`: a model from measured curves, by a named method and several seeded trials."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from joblib import Parallel, delayed
 
+from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
+from ..hysteresis.jiles_atherton.model import PARAMETERS
 from ..published import LI_BOUNDS
 from .corrections.corrections import Corrected, Corrections, corrected
 from .data.curves import Curve, Curves, turns_back
@@ -17,6 +19,7 @@ from .fit import Fit, Trial, judged_fit
 from .fits.certified import paper_model
 from .fits.magnetic import FORMS, magnetic_fit
 from .fits.objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, nrmse, torque_errors
+from .fits.parameters import FREE, Constraints
 from .fits.registry import Fitted, fit_model
 from .judging.coverage import Coverage
 from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
@@ -70,6 +73,8 @@ def fit_curves(
     model: str = DEFAULT_MODEL,
     method: str | Method = "certified",
     corrections: Corrections = NONE,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
     initial_torque: InitialTorque | None = None,
     seed: int = 0,
     workers: int = -1,
@@ -94,6 +99,12 @@ def fit_curves(
             for "jiles-atherton" only, one of those of `Search`, such as "sa-pso", or "magnetic"
             (magnetization over a field, in the form that fits best; not certified).
         corrections: What is taken off the curves, or fitted beside the model.
+        fixed: Parameters that keep a value, such as {"c": 1.2}. Names and units are those of the
+            model that the method returns: angles of Jiles-Atherton are degrees, and radians with
+            the method "magnetic". "weights" means all weights, and "weights[3]" one of them. The
+            value is that at the pressure of the curves.
+        bounds: Lower and upper bound of parameters, such as {"k": (1, 50)}, in place of those of
+            the search; an infinite one is none.
         initial_torque: The torque with which each Jiles-Atherton curve begins: a number [N·m], by
             default 0 as in a first-order curve; "measured", its own first sample; or "identified",
             one for all. The fits of the other models always identify it.
@@ -110,11 +121,13 @@ def fit_curves(
     refuse_unknown(old)
     method = method_of(method)
     check_together(method, model, corrections, initial_torque)
+    constraints = Constraints(fixed or {}, bounds or {})
+    constraints.check(model, corrections.beside, method.name)
     check_seed(seed)
     check_workers(workers)
     starts = initial_torque is not None and model == DEFAULT_MODEL
     start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}
-    ready = prepared(curves, model, corrections, start, seed)
+    ready = prepared(curves, model, corrections, start, seed, constraints)
     measured = ready.measured
     if model != DEFAULT_MODEL or corrections.beside or isinstance(method, Magnetic):
         refuse_weights(measured)
@@ -122,12 +135,13 @@ def fit_curves(
     def run(index: int, child: np.random.SeedSequence) -> Trial:
         rng = np.random.default_rng(child)
         if isinstance(method, Search):
-            found = searched(measured, method, start, rng)
+            found = searched(measured, method, start, rng, constraints)
         elif isinstance(method, Magnetic):
-            found = magnetic_fit(measured, FORMS[index], rng, budget=method.budget, **start)
+            options = {"budget": method.budget, "constraints": constraints, **start}
+            found = magnetic_fit(measured, FORMS[index], rng, **options)
         else:
             options = {**method.options, **start, **corrections.beside}
-            found = fit_model(model, measured, rng, **options)
+            found = fit_model(model, measured, rng, constraints=constraints, **options)
         own = nrmse(torque_errors(found.model, found.initial_torque, measured), measured)
         return Trial(index=index, nrmse=own, **vars(found))
 
@@ -141,23 +155,42 @@ def fit_curves(
         method,
         finished,
         needed,
+        constraints=constraints,
         fitted_start=fits_start(model, initial_torque),
         interrupted=interrupted,
     )
 
 
 def searched(
-    curves: Sequence[Curve], method: Search, start: dict[str, Any], rng: np.random.Generator
+    curves: Sequence[Curve],
+    method: Search,
+    start: dict[str, Any],
+    rng: np.random.Generator,
+    constraints: Constraints = FREE,
 ) -> Fitted:
     """Runs an optimizer once on the Jiles-Atherton parameters, in the paper's search bounds."""
     goal = CurveObjective(curves, loss=method.objective, normalize=method.normalize, **start)
-    bounds = LI_BOUNDS
+    box = [
+        constraints.box(name, ends, 0.0 if name in ("Ms", "a", "k") else -np.inf)
+        for name, ends in zip(PARAMETERS, LI_BOUNDS, strict=True)
+    ]
     if goal.initial_torque == "identified":
-        bounds = (*bounds, (-goal.peak, goal.peak))
-    run = OPTIMIZERS[method.name](goal, bounds, rng=rng, **method.options)
-    first = float(run.x[5]) if goal.initial_torque == "identified" else goal.initial_torque
+        box.append((-goal.peak, goal.peak))
+    low, high = np.array(box).T
+    free = low < high
+
+    def loss(positions: Array) -> Array:
+        rows = np.tile(low, (len(positions), 1))
+        rows[:, free] = positions
+        return goal(rows)
+
+    pairs = tuple(one for one in box if one[0] < one[1])
+    run = OPTIMIZERS[method.name](loss, pairs, rng=rng, **method.options)
+    row = low.copy()
+    row[free] = run.x
+    first = float(row[5]) if goal.initial_torque == "identified" else goal.initial_torque
     history = tuple(map(float, run.history))
-    return Fitted(paper_model(run.x[:5]), first, float(run.fun), goal.evaluations, history=history)
+    return Fitted(paper_model(row[:5]), first, float(run.fun), goal.evaluations, history=history)
 
 
 def fits_start(model: str, initial_torque: InitialTorque | None) -> bool:
@@ -171,6 +204,7 @@ def prepared(
     corrections: Corrections,
     start: dict[str, Any],
     seed: int,
+    constraints: Constraints,
 ) -> Corrected:
     """Returns corrected curves, all and those to fit.
 
@@ -180,6 +214,7 @@ def prepared(
         corrections: What is taken off.
         start: Torque at the beginning, as an option of that fit.
         seed: Seed of its random numbers.
+        constraints: Parameters that are fixed or bounded.
     """
     family = Curves(curves)
     _refuse_unusable(family.fitted())
@@ -190,7 +225,7 @@ def prepared(
 
     def fitted(some: Curves) -> Fitted:
         rng = np.random.default_rng(seed)
-        return fit_model(model, some, rng, **start, **corrections.beside)
+        return fit_model(model, some, rng, constraints=constraints, **start, **corrections.beside)
 
     return corrected(family, corrections, fitted)
 
@@ -199,8 +234,8 @@ def refuse_unknown(given: dict[str, Any]) -> None:
     """Refuses names that are no options; those of version 0.2 with the new name."""
     refuse_old_names(given, OLD_NAMES)
     for name in given:
-        known = ("model", "method", "corrections", "initial_torque", "seed", "workers", "needed")
-        raise unknown_name("option", name, known)
+        known = ("model", "method", "corrections", "fixed", "bounds", "initial_torque", "seed")
+        raise unknown_name("option", name, (*known, "workers", "needed"))
 
 
 def _refuse_unusable(measured: Curves) -> None:

@@ -1,6 +1,6 @@
 """`identify`: from measured curves to a judged model, as `activesuit identify` does it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -39,6 +39,8 @@ def identify(
     normalize: str | None = None,
     trials: int | None = None,
     corrections: Corrections = NONE,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
     initial_torque: InitialTorque | None = None,
     use: str | None = None,
     intended: Sequence[Motion] = (),
@@ -62,6 +64,8 @@ def identify(
         normalize: Torque that divides its errors; see `Search`.
         trials: Number of independent runs of the method that is given by its name.
         corrections: What is taken off the curves, or fitted beside the model.
+        fixed: Parameters that keep a value, such as {"c": 1.2}; see `fit_curves`.
+        bounds: Lower and upper bound of parameters, such as {"k": (1, 50)}; likewise.
         initial_torque: The torque with which each curve begins; see `fit_curves`.
         use: Name of what the model is for; "any" asks for any motion in the range of the curves.
         intended: The motions of this use.
@@ -83,7 +87,8 @@ def identify(
     given = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
     if method is None:
         method = CERTIFIED
-        if all(one is None for one in given.values()) and _is_divisible(family):
+        is_open = all(one is None for one in given.values()) and not (fixed or bounds)
+        if is_open and _is_divisible(family):
             method = AUTO
             notes.append(sentence("auto"))
     needed = _needed(family, use, intended)
@@ -96,7 +101,7 @@ def identify(
             on_step(done, total)
 
     common: dict[str, Any] = {"corrections": used, "initial_torque": initial_torque, "seed": seed}
-    common |= {"workers": workers, "needed": needed}
+    common |= {"workers": workers, "needed": needed, "fixed": fixed, "bounds": bounds}
     if method == AUTO:
         for name, value in given.items():
             if value is not None:

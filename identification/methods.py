@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar, cast, get_args
+from typing import Any, ClassVar, cast
 
 from ..checks import at_least
 from ..errors import InputError, refuse_old_names, unknown_name
@@ -13,11 +13,12 @@ from .corrections.corrections import Corrections
 from .fits import magnetic
 from .fits.objective import InitialTorque, Loss, Normalize
 from .fits.registry import FITS, is_seeded
-from .swarms.variants import OPTIMIZERS, SWARMS
+from .swarms.variants import OPTIMIZERS, options_of
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
 EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2
-SET_BY_IDENTIFY = ("curves", "objective", "bounds", "rng", "callback", "initial_torque")
+CALLED = ("curves", "objective", "bounds", "callback")
+SET_BY_IDENTIFY = (*CALLED, "constraints", "rng", "initial_torque")
 TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
 
@@ -92,12 +93,7 @@ class Search:
     def check(self, model: str) -> None:
         """Refuses a model that a search cannot identify, and unknown options."""
         _only_default(self.name, model)
-        parameters = inspect.signature(OPTIMIZERS[self.name]).parameters
-        names = list(parameters)
-        if self.name in SWARMS:
-            (options,) = get_args(parameters[names.pop()].annotation)  # those behind **options
-            names += options.__annotations__
-        _check_options(self, names)
+        _check_options(self, options_of(self.name))
 
 
 @dataclass(frozen=True, kw_only=True)

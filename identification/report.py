@@ -128,15 +128,21 @@ def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
     header = ["parameter", "value", "standard\nerror", "95 % interval"]
     units = _units(fit.model) | {"initial_torque": "N·m"}
     rows = []
-    for i, name in enumerate(found.names[:MOST_ROWS]):
+    for i, name in enumerate(found.names):
         low, high = found.intervals[i]
-        base, bracket, number = name.partition("[")
-        label = labeled(base, units).replace(base, base + bracket + number, 1)
         value, error = f"{found.values[i]:.5g}", f"{found.standard_errors[i]:.2g}"
-        rows.append([label, value, error, f"{low:.5g} .. {high:.5g}"])
-    if len(found.names) > MOST_ROWS:
-        rows.append([f"{len(found.names) - MOST_ROWS} more in result.json", "", "", ""])
+        rows.append([_labeled(name, units), value, error, f"{low:.5g} .. {high:.5g}"])
+    known = [one for one in fit.parameters if one.state != "free"]
+    rows += [[_labeled(one.name, units), f"{one.value:.5g}", "", one.state] for one in known]
+    if len(rows) > MOST_ROWS:
+        rows[MOST_ROWS:] = [[f"{len(rows) - MOST_ROWS} more in result.json", "", "", ""]]
     return header, rows
+
+
+def _labeled(name: str, units: Mapping[str, str]) -> str:
+    """Returns the name of a number with its unit, that of one in a list with its index."""
+    base, bracket, index = name.partition("[")
+    return labeled(base, units).replace(base, base + bracket + index, 1)
 
 
 def _units(model: HysteresisModel) -> dict[str, str]:
@@ -152,6 +158,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "seed": seed,
         "model": fit.model.to_dict(),
         "softening": fit.softening and fit.softening._asdict(),
+        "constraints": asdict(fit.constraints),
         "prediction_max_error": fit.prediction_errors,
         "trials": len(fit.trials),
         "remarks": [remark.to_dict() for remark in fit.remarks],
@@ -321,6 +328,10 @@ class Identification:
         start = fit.initial_torque
         begins = start if isinstance(start, str) else f"{start:.5g}"
         rows = [*rows, ["initial torque [N·m]", begins]]
+        for state in ("fixed", "at its bound"):
+            names = [one.name for one in fit.parameters if one.state == state]
+            shown = names[:MOST_ROWS] + (["..."] if len(names) > MOST_ROWS else [])
+            rows += [[state, "\n".join(shown)]] if names else []
         if fit.tare:
             sure = ""
             if found and found.offset:

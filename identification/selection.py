@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from .corrections.corrections import Corrections
 from .corrections.tare import is_open
 from .data.curves import Curve, Curves
@@ -27,6 +27,7 @@ from .fit_curves import (
     run_threads,
 )
 from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
+from .fits.parameters import FREE, Constraints, parameter_limits, parameters_of
 from .fits.registry import FITS, Fitted, fit_model
 from .judging.coverage import Coverage, motion_coverage
 from .judging.ensemble import (
@@ -62,7 +63,9 @@ def _candidate(
     def fitted(some: Sequence[Curve]) -> Fitted:
         return fit_model(name, some, np.random.default_rng(seed), **options)
 
+    constraints: Constraints = options.get("constraints", FREE)
     try:
+        constraints.check(name, options)
         errors = []
         for question in asked:
             found = fitted(question.known)
@@ -72,11 +75,12 @@ def _candidate(
         on_fit = torque_errors(found.model, found.initial_torque, curves)
     except InputError as error:
         return Candidate(name=name, reason=str(error))
+    known = sum(one.state != "free" for one in parameters_of(found.model, constraints))
     return Candidate(
         name=name,
         model=found.model,
         initial_torque=found.initial_torque,
-        parameters=found.model.free_parameters,
+        parameters=found.model.free_parameters - known,
         prediction_nrmse=nrmse(np.concatenate(errors), curves),
         prediction_errors=np.concatenate(errors),
         fit_nrmse=nrmse(on_fit, curves),
@@ -145,7 +149,14 @@ class Selection:
         if self.ensemble is None:
             return self.fit.uncertainty(samples=samples, seed=seed)
         found, fit = self.fit.uncertainty(seed=seed), self.fit
-        members = drawn(self.ensemble, fit.fitted_curves, fit.initial_torque, samples, seed)
+        members = drawn(
+            self.ensemble,
+            fit.fitted_curves,
+            fit.initial_torque,
+            samples,
+            seed,
+            fit.constraints,
+        )
         rivals = (name for one in members for name in one.offset_open if name not in ITS_OWN)
         return replace(
             found,
@@ -159,6 +170,8 @@ def select(
     curves: Sequence[Curve],
     *,
     corrections: Corrections = NONE,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
     initial_torque: InitialTorque | None = None,
     seed: int = 0,
     workers: int = -1,
@@ -177,6 +190,8 @@ def select(
         corrections: What is taken off the curves, or fitted beside the models; tare and softening
             are those of Jiles-Atherton. A fitted tare that a model as good leaves open is not taken
             off: the models are fitted again without one, and the first remark of the fit says so.
+        fixed: Parameters that keep a value, see `fit_curves`; models without one are not chosen.
+        bounds: Lower and upper bound of parameters, likewise.
         initial_torque: The torque with which the curves begin, as in `fit_curves`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
@@ -196,10 +211,13 @@ def select(
     start: dict[str, Any] = {} if initial_torque is None else {"initial_torque": initial_torque}
     if needed is None and intended:
         needed = motion_coverage(intended)
-    ways = dict.fromkeys(FITS, corrections.beside) | {DEFAULT_MODEL: start | corrections.beside}
+    constraints = Constraints(fixed or {}, bounds or {})
+    _refuse_unknown_parameters(constraints, corrections)
+    beside = corrections.beside | {"constraints": constraints}
+    ways = dict.fromkeys(FITS, beside) | {DEFAULT_MODEL: start | beside}
     undetermined: list[Remark] = []
     while True:
-        ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed)
+        ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed, constraints)
         measured = ready.measured
         refuse_weights(measured)
         asked = questions(measured)
@@ -237,6 +255,7 @@ def select(
         "auto",
         [trial],
         needed,
+        constraints=constraints,
         fitted_start=fits_start(chosen.name, initial_torque),
         interrupted=interrupted,
         memoryless=_memoryless(chosen, predictions(asked, measured)),
@@ -271,6 +290,16 @@ def _memoryless(chosen: Candidate, baselines: Mapping[str, float]) -> Remark | N
         return None
     values = {"baseline": name, "least": baselines[name], "model": chosen.name, "nrmse": own}
     return Remark("memoryless prediction", values)
+
+
+def _refuse_unknown_parameters(constraints: Constraints, corrections: Corrections) -> None:
+    """Refuses names that no model has; models without one of them are left out."""
+    known = {
+        name for kind in FITS for name in parameter_limits(kind, corrections.beside, "certified")
+    }
+    for name in constraints.names:
+        if name.partition("[")[0] not in known:
+            raise unknown_name("parameter", name, known)
 
 
 def _open_offset(

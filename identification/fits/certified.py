@@ -13,24 +13,27 @@ from ...checks import at_least
 from ...errors import InputError
 from ...hysteresis.around import Clipped
 from ...hysteresis.jiles_atherton import coordinates
+from ...hysteresis.jiles_atherton.coordinates import LOG_EXCESS, LOG_MS, LOG_REACH, STEEPNESS
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
-from ...hysteresis.jiles_atherton.model import JilesAtherton
+from ...hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves, noise_floor
 from .objective import CurveObjective, InitialTorque, torque_errors
-from .search import MARGIN, PENALTY, REJECTED, Derivatives, Evaluation, Search, sobol_points
+from .parameters import FREE, Constraints
+from .search import MARGIN, PENALTY, REJECTED, Evaluation, Search, sobol_points
 
 BEGINNINGS = 1001  # number of torques tried in each direction, up to the peak of the curves
 # Search box, in the coordinates of `hysteresis.jiles_atherton.coordinates`; angles in degrees, as
 # in the paper's Table 1.
 SHAPE = (3.0, 5000.0)  # a
-STEEPNESS = (-1.9, 2.5)  # steepness; models above 1 are safe in a range of angles only
+BEND = (-1.9, 2.5)  # steepness; models above 1 are safe in a range of angles only
 EXCESS = (0.01, 20.0)  # c - 1
 REACH_LIMIT = 40_000.0  # k (c - 1); at least the start angle, so that the start is certified too
 SCREENED = 32
 AGREEING = 5  # runs that end at the same optimum, which ends the search
 BUDGET = 2_000  # evaluations; usual are 80 to 300, and some truths need more
+REFINED = 200  # evaluations from one start
 TINY = 1e-30
 LEAST_START, LEAST = 1e-6, 1e-9  # Ms over the peak, where a search starts and on its way
 MOST = 1e9
@@ -131,6 +134,7 @@ def certified_fit(
     rng: int | np.random.Generator | None = None,
     budget: int = BUDGET,
     initial_torque: InitialTorque = 0.0,
+    constraints: Constraints = FREE,
 ) -> CertifiedFit:
     """Fits a Jiles-Atherton model that no motion can drive into its pole.
 
@@ -148,12 +152,14 @@ def certified_fit(
         budget: Largest number of evaluations of the model on all curves.
         initial_torque: The torque with which every curve begins [N·m]; "measured" takes each
             curve's first sample, "identified" searches one for all.
+        constraints: Parameters that are fixed or bounded, angles in degrees. Where k or alpha is,
+            the search has log k or alpha in place of log(k(c-1)) or the steepness.
 
     Returns:
         The best parameters found, their NRMSE and how many evaluations they took.
     """
-    at_least("budget", budget, SCREENED + 1)
-    problem = CertifiedProblem(curves, initial_torque)
+    at_least("budget", budget, SCREENED * (2 if constraints else 1) + 1)
+    problem = CertifiedProblem(curves, initial_torque, constraints)
     search = problem.search(budget)
     floor = noise_floor(curves) / problem.objective.peak
     search.run(problem.starts(search, rng), floor, AGREEING)
@@ -161,11 +167,15 @@ def certified_fit(
 
 
 def refined(
-    curves: Sequence[Curve], row: Array, *, initial_torque: InitialTorque = 0.0, budget: int = 200
+    curves: Sequence[Curve],
+    row: Array,
+    *,
+    initial_torque: InitialTorque = 0.0,
+    constraints: Constraints = FREE,
 ) -> CertifiedFit:
     """Does what `certified_fit` does, but from one start only, a row as `CurveObjective` takes."""
-    problem = CertifiedProblem(curves, initial_torque)
-    search = problem.search(budget)
+    problem = CertifiedProblem(curves, initial_torque, constraints)
+    search = problem.search(REFINED)
     search.run([problem.point(row)])
     return problem.result(search)
 
@@ -174,24 +184,44 @@ class CertifiedProblem:
     """The errors of Jiles-Atherton models on curves, and what they lack to a certificate.
 
     A point has the five coordinates of `hysteresis.jiles_atherton.coordinates` and, if it is
-    identified, the initial torque over the peak. A row is Ms, a, alpha, c, k in degrees and, if it
-    is identified, the initial torque.
+    identified, the initial torque over the peak; with alpha in place of the steepness and log k in
+    place of log(k(c-1)) where that parameter is fixed or bounded. A row is Ms, a, alpha, c, k in
+    degrees and, if it is identified, the initial torque.
     """
 
-    def __init__(self, curves: Sequence[Curve], initial_torque: InitialTorque) -> None:
+    def __init__(
+        self,
+        curves: Sequence[Curve],
+        initial_torque: InitialTorque,
+        constraints: Constraints = FREE,
+    ) -> None:
         self.objective = CurveObjective(curves, initial_torque=initial_torque)
         self.scale = np.sqrt(self.objective.weight) / self.objective.peak
         self.angle_range = Curves(curves).angle_range
         self.degrees: tuple[float, float] = tuple(np.degrees(self.angle_range).tolist())
         self.first_angles = np.degrees([curve.angle[0] for curve in curves])
-        self.shape_box = shape_box(curves)
-        low, high = self.shape_box
+        self.constraints, self.has_k = constraints, constraints.has("k")
+        self.has_alpha = constraints.has("alpha")
+        self.ends = np.array([constraints.ends(name) for name in PARAMETERS]).T
+        low, high = self.shape_box = shape_box(curves, constraints)
+        self.least_reach = low[LOG_REACH]
         others = [np.inf, 1.0][: 1 + (initial_torque == "identified")]
         self.low, self.high = np.append(low, np.negative(others)), np.append(high, others)
+        if constraints:
+            ends = constraints.box("Ms", (0.0, np.inf), 0.0)
+            with np.errstate(divide="ignore"):
+                self.low[LOG_MS], self.high[LOG_MS] = np.log(ends)
+        if self.has_alpha:
+            ends = constraints.ends("alpha")
+            self.low[STEEPNESS], self.high[STEEPNESS] = ends
+        if self.has_k:
+            usual = np.exp(low[LOG_REACH] - high[LOG_EXCESS]), REACH_LIMIT / EXCESS[0]
+            ends = np.log(constraints.box("k", usual, 0.0))
+            self.low[LOG_REACH], self.high[LOG_REACH] = ends
 
     def search(self, budget: int) -> Search:
         """Returns a search over this problem."""
-        return Search(self, budget, Derivatives(self.derivatives, self.missing))
+        return Search(self, budget, exact=True)
 
     def evaluate(self, point: Array) -> Evaluation:
         """Returns sqrt(w) (Tc - Tm) / max|Tm| along all curves, the missing margin, and the row."""
@@ -230,10 +260,13 @@ class CertifiedProblem:
         Ms = np.where(np.isfinite(Ms), Ms, self.objective.peak)
         rows[:, 0], rows[:, 2] = Ms, rows[:, 2] / Ms
         missing = np.array([self.missing_margin(row, np.zeros(1)) for row in rows])
+        first = float(np.mean([curve.torque[0] for curve in self.objective.curves]))
+        if self.constraints:
+            begun = np.column_stack([rows, np.full(SCREENED, first)])
+            return search.screened(np.array([self.point(row) for row in begun]))
         if self.objective.initial_torque == 0:
             for row, score, lacking in zip(rows, scores, missing, strict=True):
                 search.keep(row, score, lacking)
-        first = float(np.mean([curve.torque[0] for curve in self.objective.curves]))
         starts = np.column_stack(
             [points, np.log(Ms), np.full(SCREENED, first / self.objective.peak)]
         )
@@ -242,18 +275,35 @@ class CertifiedProblem:
 
     def rows(self, points: NDArray[Any]) -> NDArray[Any]:
         """Returns the rows of points, which may be complex."""
-        models = coordinates.rows(points[:, :5])
-        first = points[:, 5:] * self.objective.peak
+        shapes, first = points[:, :5], points[:, 5:] * self.objective.peak
+        if self.constraints:
+            shapes = shapes.copy()
+            log_a, _, log_excess, _, log_Ms = shapes.T
+            if self.has_k:
+                shapes[:, LOG_REACH] += log_excess
+            if self.has_alpha:
+                shapes[:, STEEPNESS] *= (2 * np.exp(log_excess) + 1) * np.exp(log_Ms - log_a) / 3
+        models = coordinates.rows(shapes)
+        if self.constraints and not np.iscomplexobj(models):
+            models = np.clip(models, *self.ends)
         return np.concatenate([models, first], axis=1) if first.size else models
 
     def point(self, row: Array) -> Array:
         """Returns the point of a row, moved into the box."""
-        first = row[5:] / self.objective.peak
-        return np.clip([*coordinates.point(row[:5]), *first], self.low, self.high)
+        found = [*coordinates.point(row[:5]), *row[5:] / self.objective.peak][: self.low.size]
+        if self.has_k:
+            found[LOG_REACH] -= found[LOG_EXCESS]
+        if self.has_alpha:
+            found[STEEPNESS] = row[2]
+        return np.clip(found, self.low, self.high)
 
     def missing_margin(self, row: Array, first: Array) -> float:
         """Returns what is missing to a certificate with MARGIN, at best in the range."""
-        return missing_margin(row, first, self.first_angles, self.degrees)
+        missing = missing_margin(row, first, self.first_angles, self.degrees)
+        if not self.has_k:
+            return missing
+        short = self.least_reach - np.log(row[4] * (row[3] - 1))  # of a start without torque
+        return max(missing, min(float(short) + MARGIN / 2, 1.0))
 
     def result(self, search: Search) -> CertifiedFit:
         """Returns what a search found.
@@ -314,9 +364,13 @@ def shortfall(
     return min(max(MARGIN - margin, MARGIN / 2 + excess, 0.0), 1.0)
 
 
-def shape_box(curves: Sequence[Curve]) -> tuple[Array, Array]:
+def shape_box(curves: Sequence[Curve], constraints: Constraints = FREE) -> tuple[Array, Array]:
     """Returns the lower and upper bounds of the first four coordinates, (4,) each."""
     start = max(abs(float(np.degrees(curve.angle[0]))) for curve in curves)
-    low = [np.log(SHAPE[0]), STEEPNESS[0], np.log(EXCESS[0]), np.log(max(start, 1.0))]
-    high = [np.log(SHAPE[1]), STEEPNESS[1], np.log(EXCESS[1]), np.log(REACH_LIMIT)]
+    a, excess = constraints.box("a", SHAPE, 0.0), EXCESS
+    if constraints.has("c"):
+        low_c, high_c = constraints.box("c", (1 + EXCESS[0], 1 + EXCESS[1]), 1.0)
+        excess = low_c - 1, high_c - 1
+    low = [np.log(a[0]), BEND[0], np.log(excess[0]), np.log(max(start, 1.0))]
+    high = [np.log(a[1]), BEND[1], np.log(excess[1]), np.log(REACH_LIMIT)]
     return np.array(low), np.array(high)

@@ -11,9 +11,10 @@ import numpy as np
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
-from ...hysteresis.jiles_atherton.model import Form, JilesAtherton
+from ...hysteresis.jiles_atherton.model import PARAMETERS, Form, JilesAtherton
 from ..data.curves import SURELY, Curve, Curves, loop_work
 from .objective import CurveObjective, InitialTorque, torque_errors
+from .parameters import FREE, Constraints
 from .registry import Fitted
 from .search import REJECTED, Evaluation, Search, sobol_points
 
@@ -36,6 +37,7 @@ def magnetic_fit(
     *,
     budget: int = BUDGET,
     initial_torque: InitialTorque = 0.0,
+    constraints: Constraints = FREE,
 ) -> Fitted:
     """Fits one form of Jiles-Atherton, with the clamp of magnetics and 0 <= c < 1.
 
@@ -50,10 +52,11 @@ def magnetic_fit(
         budget: Largest number of evaluations of the model on all curves.
         initial_torque: Magnetization with which every curve begins; "measured" is its first
             sample, "identified" one for all.
+        constraints: Parameters that are fixed or bounded, angles in radians.
     """
     at_least("budget", budget, SCREENED + 1)
     _refuse_joints(curves)
-    problem = _Form(curves, form, initial_torque)
+    problem = _Form(curves, form, initial_torque, constraints)
     search = Search(problem, budget)
     drawn = sobol_points(problem.low, problem.high, SCREENED, rng)
     search.run(search.screened(drawn)[:STARTED], agreeing=AGREEING)
@@ -76,16 +79,33 @@ class _Form:
     """Errors of one form over the search box.
 
     A point is log Ms and log a over the largest magnetization and field, the steepness, c, log k
-    over that field, and the initial magnetization over the largest if that is identified.
+    over that field, and the initial magnetization over the largest if that is identified. Where
+    alpha is fixed or bounded it is there in place of the steepness.
     """
 
-    def __init__(self, curves: Sequence[Curve], form: Form, initial_torque: InitialTorque) -> None:
+    def __init__(
+        self,
+        curves: Sequence[Curve],
+        form: Form,
+        initial_torque: InitialTorque,
+        constraints: Constraints,
+    ) -> None:
         self.curves = curves
         self.form: Form = form
         self.initial_torque: InitialTorque = initial_torque
         self.peak = CurveObjective(curves, initial_torque=initial_torque).peak
         self.reach = float(np.abs(Curves(curves).angle_range).max())
+        self.constraints = constraints
         box = [np.log(SATURATION), np.log(SHAPE), STEEPNESS, REVERSIBLE, np.log(PINNING)]
+        sizes = ((0, "Ms", SATURATION, self.peak), (1, "a", SHAPE, self.reach))
+        for place, name, usual, size in (*sizes, (4, "k", PINNING, self.reach)):
+            if constraints.has(name):
+                ends = constraints.box(name, (usual[0] * size, usual[1] * size), 0.0)
+                box[place] = tuple(np.log(np.divide(ends, size)).tolist())
+        if constraints.has("alpha"):
+            farthest = 3 * SHAPE[1] * self.reach * STEEPNESS[1] / (SATURATION[0] * self.peak)
+            box[2] = constraints.box("alpha", (-farthest, farthest))
+        box[3] = constraints.box("c", REVERSIBLE)
         if initial_torque == "identified":
             box.append((-1.0, 1.0))
         self.low, self.high = np.array(box, dtype=np.float64).T
@@ -93,12 +113,11 @@ class _Form:
     def at(self, point: Array) -> tuple[JilesAtherton, InitialTorque]:
         """Returns model and initial magnetization of a point."""
         Ms, a, k = np.exp(point[[0, 1, 4]]) * (self.peak, self.reach, self.reach)
+        alpha = point[2] if self.constraints.has("alpha") else 3 * a * point[2] / Ms
+        row = dict(zip(PARAMETERS, (Ms, a, alpha, point[3], k), strict=True))
+        ends = {name: self.constraints.ends(name) for name in row}
         model = JilesAtherton(
-            Ms=Ms,
-            a=a,
-            alpha=3 * a * point[2] / Ms,
-            c=point[3],
-            k=k,
+            **{name: np.clip(value, *ends[name]) for name, value in row.items()},
             form=self.form,
             clamp="jiles",
             allow_active=True,

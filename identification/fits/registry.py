@@ -27,7 +27,9 @@ from ...hysteresis.stops import HingedStops, PrandtlIshlinskii
 from ..data.curves import Curve, noise_floor
 from .beside_polynomial import fit_asymmetric, fit_bouc_wen, fit_dahl, fit_duhem
 from .certified import certified_fit, common_torque
+from .constrained import constrained_fit
 from .objective import Fitted, InitialTorque, price, scored, times_of, torque_errors
+from .parameters import FREE, Constraints, bounded_least_squares
 from .search import least_of
 from .tangent import beside, coordinates_of, independent, tangent
 from .weights import fit_hinged_stops, fit_prandtl_ishlinskii, fit_preisach
@@ -36,6 +38,7 @@ Rate = Literal["none", "viscous", "relaxing"]
 ROUNDS = 12  # largest number of rounds; 3 to 6 are usual
 CONVERGED = 1e-4  # change of the elements' torque between rounds at convergence, over the peak
 TIMES = 24  # relaxation times on the grid
+RELAXATION = ("relaxation_stiffness", "relaxation_time")
 Play = Literal["none", "fit"]
 LARGEST = 0.1  # widest gap of the search, as a share of the range of angles
 GAPS = 6  # number of gaps on the grid, of which the first is zero
@@ -67,6 +70,7 @@ def fit_beside_rate(
     rate: Rate,
     fit: Callable[[Sequence[Curve]], Fitted],
     quick: Callable[[Sequence[Curve]], Fitted],
+    constraints: Constraints = FREE,
 ) -> Fitted:
     """Fits a hysteresis model and the rate-dependent elements beside it, in turn.
 
@@ -82,13 +86,17 @@ def fit_beside_rate(
         rate: "viscous", a dashpot, or "relaxing", a Maxwell element beside it.
         fit: Fit of the hysteresis model to curves, for the last round.
         quick: The same with less effort, for the rounds before.
+        constraints: Parameters that are fixed or bounded, also those of the elements.
     """
     peak = max(float(np.abs(curve.torque).max()) for curve in curves)
     times = _times(curves) if rate == "relaxing" else np.empty(0)
+    if constraints.has(*RELAXATION[1:]) and times.size:
+        ends = constraints.box(RELAXATION[1], (times[0], times[-1]), 0.0)
+        times = np.unique(np.geomspace(*ends, TIMES))
     rest, slow = list(curves), quick(curves)
     found, before = Viscoelastic(model=slow.model), np.zeros(sum(one.angle.size for one in curves))
     for _ in range(ROUNDS):
-        found = _with_elements(slow.model, slow.initial_torque, curves, times)
+        found = _with_elements(slow.model, slow.initial_torque, curves, times, constraints)
         now = _torque(found, curves)
         if np.abs(now - before).max() <= CONVERGED * peak:
             break
@@ -109,28 +117,42 @@ def _times(curves: Sequence[Curve]) -> Array:
 
 
 def _with_elements(
-    model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve], times: Array
+    model: HysteresisModel,
+    start: InitialTorque,
+    curves: Sequence[Curve],
+    times: Array,
+    constraints: Constraints,
 ) -> Viscoelastic:
     """Returns the model beside the elements that best explain its residual."""
     rest = -torque_errors(model, start, curves)
     if not np.isfinite(rest).all():
-        return Viscoelastic(model=model)
-    slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
-    basis = independent(slopes)
+        return Viscoelastic(model=model, damping=max(constraints.ends("damping")[0], 0.0))
+    free = coordinates_of(model, start, fitted_start=True, constraints=constraints)
+    basis = independent(tangent(free, curves))
     velocity = _torque(Viscoelastic(model=model, damping=1.0), curves)[:, None]
     rest = beside(basis, rest)
-    (damping,), least = nnls(beside(basis, velocity), rest)
+    names = ("damping", RELAXATION[0])
+
+    def least(columns: Array) -> tuple[Array, float]:
+        columns = beside(basis, columns)
+        if not constraints.has(*names):
+            return nnls(columns, rest)
+        low, high = np.array([constraints.ends(name) for name in names[: columns.shape[1]]]).T
+        return bounded_least_squares(columns, rest, np.maximum(low, 0), high)
+
+    (damping,), alone = least(velocity)
     found = Viscoelastic(model=model, damping=float(damping))
     if times.size == 0:
         return found
 
     def solved(time: float) -> tuple[Array, float]:
         element = Viscoelastic(model=model, relaxation_stiffness=1.0, relaxation_time=time)
-        return nnls(beside(basis, np.column_stack([velocity, _torque(element, curves)])), rest)
+        return least(np.column_stack([velocity, _torque(element, curves)]))
 
-    time = least_of(times, lambda time: solved(time)[1])
+    time = least_of(times, lambda time: solved(time)[1]) if times.size > 1 else float(times[0])
     (damping, stiffness), loss = solved(time)
-    if least <= loss * price(2, rest.size) or stiffness == 0:
+    is_needed = constraints.has(*RELAXATION)
+    if not is_needed and (alone <= loss * price(2, rest.size) or stiffness == 0):
         return found
     maxwell = {"relaxation_stiffness": float(stiffness), "relaxation_time": time}
     return Viscoelastic(model=model, damping=float(damping), **maxwell)
@@ -154,6 +176,7 @@ def fit_behind_play(
     curves: Sequence[Curve],
     fit: Callable[[Sequence[Curve]], Fitted],
     quick: Callable[[Sequence[Curve]], Fitted],
+    constraints: Constraints = FREE,
 ) -> Fitted:
     """Fits a hysteresis model and the gap before it.
 
@@ -168,7 +191,11 @@ def fit_behind_play(
         curves: Measured curves.
         fit: Fit of the hysteresis model to curves.
         quick: The same with less effort, which suffices to compare gaps.
+        constraints: Parameters that are fixed or bounded, also the gap.
     """
+    fixed, most = constraints.ends("gap")
+    if fixed == most:
+        return _behind(curves, fixed, fit)
     found: dict[float, Fitted] = {}
 
     def loss(gap: float) -> float:
@@ -177,7 +204,8 @@ def fit_behind_play(
         return found[gap].loss
 
     widest = LARGEST * max(float(np.ptp(curve.angle)) for curve in curves)
-    grid = np.linspace(0.0, widest, GAPS)
+    first, widest = constraints.box("gap", (0.0, widest))
+    grid = np.linspace(first, widest, GAPS)
     best = int(np.argmin([loss(float(gap)) for gap in grid]))
     near = grid[max(best - 1, 0)], grid[min(best + 1, GAPS - 1)]
     minimize_scalar(
@@ -187,7 +215,10 @@ def fit_behind_play(
         options={"xatol": CLOSE * widest},
     )
     gap = min(found, key=loss)
-    chosen, without = _behind(curves, gap, fit), _behind(curves, 0.0, fit)
+    chosen = _behind(curves, gap, fit)
+    if first > 0:
+        return chosen
+    without = _behind(curves, 0.0, fit)
     worth = price(1, sum(curve.angle.size for curve in curves))
     return without if without.loss <= chosen.loss * worth else chosen
 
@@ -243,6 +274,7 @@ def fit_model(
     *,
     rate: Rate = "none",
     play: Play = "none",
+    constraints: Constraints = FREE,
     **options: Any,
 ) -> Fitted:
     """Fits the model `name` of `FITS` to curves.
@@ -256,21 +288,27 @@ def fit_model(
         rate: Elements that are fitted beside it: none ("none"), a dashpot ("viscous"), or a Maxwell
             element too ("relaxing").
         play: Whether a gap before it is fitted too ("fit"), or there is none ("none").
+        constraints: Parameters that are fixed or bounded.
         **options: The options of the fit.
     """
     takes = inspect.signature(FITS[name]).parameters
     less = {"budget": min(QUICK, options.get("budget", QUICK))} if "budget" in takes else {}
     if rate != "none":
-        fit = partial(fit_model, name, rng=rng, play=play, **options)
-        return fit_beside_rate(curves, rate, fit, partial(fit, **less))
+        fit = partial(fit_model, name, rng=rng, play=play, constraints=constraints, **options)
+        return fit_beside_rate(curves, rate, fit, partial(fit, **less), constraints)
     if play != "none":
-        fit = partial(fit_model, name, rng=rng, **options)
-        return fit_behind_play(curves, fit, partial(fit, **less))
+        fit = partial(fit_model, name, rng=rng, constraints=constraints, **options)
+        return fit_behind_play(curves, fit, partial(fit, **less), constraints)
     if "rng" in takes:
         options["rng"] = rng
+    if "constraints" in takes:
+        options["constraints"] = constraints
     found = FITS[name](curves, **options)
     if isinstance(found, HysteresisModel):
-        return scored(found, common_torque(found, curves), curves)
+        found = scored(found, common_torque(found, curves), curves)
+        if constraints and not constraints.hold(found.model):
+            return constrained_fit(found, curves, constraints, rng)
+        return found
     agreed, starts = (getattr(found, name, None) for name in ("agreed", "starts"))
     return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, agreed, starts)
 

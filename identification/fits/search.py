@@ -43,7 +43,12 @@ class Evaluation(NamedTuple):
 
 
 class Problem(Protocol):
-    """Problem of the search: the errors of a model over a box of coordinates."""
+    """Problem of the search: the errors of a model over a box of coordinates.
+
+    One with exact derivatives has two more functions: `derivatives`, from a point to those of its
+    errors, (samples, coordinates), and `missing`, a cheap one from points (n, coordinates) to their
+    missing margins, (n,).
+    """
 
     low: Array
     high: Array
@@ -51,18 +56,6 @@ class Problem(Protocol):
     def evaluate(self, point: Array) -> Evaluation:
         """Runs the model of a point on all curves."""
         ...
-
-
-class Derivatives(NamedTuple):
-    """Exact derivatives, for a problem that has them.
-
-    Attributes:
-        errors: Function from a point to the derivatives of its errors, (samples, coordinates).
-        missing: Cheap function from points (n, coordinates) to their missing margins, (n,).
-    """
-
-    errors: Callable[[Array], Array]
-    missing: Callable[[Array], Array]
 
 
 class BudgetSpent(Exception):
@@ -82,16 +75,23 @@ class Search:
     """
 
     def __init__(
-        self, problem: Problem, budget: int, derivatives: Derivatives | None = None
+        self,
+        problem: Problem,
+        budget: int,
+        *,
+        exact: bool = False,
+        stalled: float = STALLED,
     ) -> None:
         """Prepares a search.
 
         Args:
             problem: Problem to minimize.
             budget: Largest number of evaluations.
-            derivatives: The exact derivatives of the problem; by default they are differences.
+            exact: Whether the problem has exact derivatives; otherwise they are differences.
+            stalled: Relative change of cost or point that ends one least-squares run.
         """
-        self.problem, self.budget, self.derivatives = problem, budget, derivatives
+        self.problem: Any = problem
+        self.budget, self.exact, self.stalled = budget, exact, stalled
         self.best: Array | None = None
         self.score, self.evaluations = np.inf, 0
         self._ends: list[float] = []
@@ -158,27 +158,43 @@ class Search:
 
     def jacobian(self, point: Array) -> Array:
         """Returns the derivatives of `residual`, (samples + 1, coordinates)."""
-        return self._differences(point) if self.derivatives is None else self._exact(point)
+        return self._exact(point) if self.exact else self._differences(point)
 
     def _minimize(self, start: Array) -> float:
-        """Runs least squares from a start; returns the score, penalty included, where it ended."""
+        """Runs least squares from a start; returns the score, penalty included, where it ended.
+
+        A coordinate with equal bounds is fixed.
+        """
+        free = self.problem.low < self.problem.high
+        if not free.any():
+            residual = self.residual(start)
+            return float(np.sqrt(residual @ residual / (residual.size - 1)))
+
+        def whole(moved: Array) -> Array:
+            point = start.copy()
+            point[free] = moved
+            return point
+
+        def slopes(moved: Array) -> Array:
+            every = self.jacobian(whole(moved))
+            return every if free.all() else every[:, free]
+
         result = least_squares(
-            self.residual,
-            start,
-            jac=self.jacobian,  # type: ignore[arg-type]
-            bounds=(self.problem.low, self.problem.high),
+            lambda moved: self.residual(whole(moved)),
+            start[free],
+            jac=slopes,  # type: ignore[arg-type]
+            bounds=(self.problem.low[free], self.problem.high[free]),
             x_scale="jac",
-            ftol=STALLED,
-            xtol=STALLED,
+            ftol=self.stalled,
+            xtol=self.stalled,
         )
         return float(np.sqrt(2 * result.cost / (result.fun.size - 1)))
 
     def _exact(self, point: Array) -> Array:
-        assert self.derivatives is not None
         self.spend(DERIVATIVES_COST)
-        errors = self.derivatives.errors(point)
+        errors = self.problem.derivatives(point)
         moved = point + DIFFERENCE * np.eye(point.size)
-        missing = self.derivatives.missing(np.concatenate([point[None], moved]))
+        missing = self.problem.missing(np.concatenate([point[None], moved]))
         return np.vstack([errors, PENALTY * (missing[1:] - missing[0]) / DIFFERENCE])
 
     def _differences(self, point: Array) -> Array:
@@ -186,7 +202,8 @@ class Search:
         # Away from the nearer bound, so that every point stays inside the box.
         middle = (self.problem.low + self.problem.high) / 2
         step = np.where(point > middle, -DIFFERENCE, DIFFERENCE)
-        columns = [self.residual(moved) for moved in point + np.diag(step)]
+        moves = zip(point + np.diag(step), self.problem.low < self.problem.high, strict=True)
+        columns = [self.residual(moved) if is_free else value for moved, is_free in moves]
         return ((np.array(columns) - value) / step[:, None]).T
 
 

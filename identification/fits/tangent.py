@@ -1,8 +1,6 @@
 """Derivatives of the torque of a model with respect to its fitted parameters."""
 
-import copy
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,23 +9,22 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.protocol import HysteresisModel
-from ...hysteresis.registry import model_from_dict
 from ..data.curves import Curve
 from .objective import InitialTorque, predicted
+from .parameters import EVERY, FREE, Constraints, Parameter, Path, parameters_of, with_values
 
 STEP = 1e-5  # step of a coordinate, relative to its size
 SMALLEST = 1e-3  # size of a coordinate below which steps do not shrink further
-Path = tuple[str | int, ...]
 RANK = 1e-9  # relative singular value below which columns depend on each other
 
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """The parameters of a fitted model as coordinates of the fit.
+    """The free parameters of a fitted model as coordinates of the fit.
 
     A parameter that has a least value, such as c > 1 of a certified Jiles-Atherton model, is given
-    by the logarithm of its distance from that value. A parameter at its least value is no
-    coordinate: there the fit stops.
+    by the logarithm of its distance from that value. A parameter at its least value or at a bound,
+    where the fit stops, is no coordinate, nor is a fixed one.
 
     Attributes:
         names: Name of each coordinate, shape (p,).
@@ -45,7 +42,9 @@ class Coordinates:
     @property
     def point(self) -> Array:
         """The coordinates, shape (p,)."""
-        return self._inner(self.values)
+        limited = np.isfinite(self.least)
+        away = np.where(limited, self.values - self.least, 1.0)
+        return np.where(limited, np.log(away), self.values)
 
     def numbers(self, point: Array) -> Array:
         """Returns the parameters of a point, shape (p,)."""
@@ -59,43 +58,37 @@ class Coordinates:
 
     def at(self, point: Array) -> tuple[HysteresisModel, InitialTorque]:
         """Returns model and initial torque of a point."""
-        content, start = copy.deepcopy(self._content), self._start
-        for path, value in zip(self._paths, self.numbers(point).tolist(), strict=True):
-            if path == ():
-                start = value
-                continue
-            place: Any = content
-            for key in path[:-1]:
-                place = place[key]
-            place[path[-1]] = value
-        return model_from_dict(content), start
-
-    def _inner(self, values: Array) -> Array:
-        limited = np.isfinite(self.least)
-        away = np.where(limited, values - self.least, 1.0)
-        return np.where(limited, np.log(away), values)
+        values = dict(zip(self._paths, self.numbers(point).tolist(), strict=True))
+        start = values.pop((), self._start)
+        return with_values(self._content, values), start
 
 
 def coordinates_of(
-    model: HysteresisModel, initial_torque: InitialTorque, *, fitted_start: bool
+    model: HysteresisModel,
+    initial_torque: InitialTorque,
+    *,
+    fitted_start: bool,
+    constraints: Constraints = FREE,
 ) -> Coordinates:
-    """Returns the fitted parameters of a model as coordinates.
+    """Returns the free parameters of a fitted model as coordinates.
 
     Args:
         model: Fitted model.
         initial_torque: Torque with which the curves begin [N·m], or "measured".
         fitted_start: Whether the fit chose that torque.
+        constraints: Parameters that the user fixed or bounded.
     """
-    content = model.to_dict()
-    found = [one for one in _numbers((), content) if one[2] > one[3]]
+    every = parameters_of(model, constraints)
+    found = [one for one in every if one.value > one.least and one.state == "free"]
     if fitted_start and not isinstance(initial_torque, str):
-        found.append(((), "initial_torque", float(initial_torque), -math.inf))
+        start = float(initial_torque)
+        found.append(Parameter("initial_torque", "N·m", start, *EVERY[:1], *EVERY, ()))
     return Coordinates(
-        names=tuple(one[1] for one in found),
-        values=np.array([one[2] for one in found]),
-        least=np.array([one[3] for one in found]),
-        _paths=tuple(one[0] for one in found),
-        _content=content,
+        names=tuple(one.name for one in found),
+        values=np.array([one.value for one in found]),
+        least=np.array([one.least for one in found]),
+        _paths=tuple(one.path for one in found),
+        _content=model.to_dict(),
         _start=initial_torque,
     )
 
@@ -130,28 +123,6 @@ def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
         else:
             columns.append(np.zeros_like(here))
     return np.column_stack(columns) if columns else np.empty((here.size, 0))
-
-
-def _numbers(path: Path, content: Any, name: str = "") -> Iterator[tuple[Path, str, float, float]]:
-    """Yields path, name, value and least value of every fitted parameter."""
-    if isinstance(content, dict):
-        model = model_from_dict(content)
-        for key, value in content.items():
-            if key in model.not_fitted:
-                continue
-            if isinstance(value, dict):
-                yield from _numbers((*path, key), value)
-                continue
-            for place, inner, number in _flat((*path, key), key, value):
-                yield place, inner, number, model.least.get(key, -math.inf)
-
-
-def _flat(path: Path, name: str, value: Any) -> Iterator[tuple[Path, str, float]]:
-    if isinstance(value, list | tuple):
-        for i, one in enumerate(value):
-            yield from _flat((*path, i), f"{name}[{i}]", one)
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield path, name, float(value)
 
 
 def independent(columns: Array) -> Array:

@@ -15,6 +15,7 @@ from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel, Numbers
 from ...hysteresis.stops import HingedStops, PrandtlIshlinskii
 from ..data.curves import Curve, noise_floor
+from .parameters import FREE, Constraints, bounded_least_squares
 from .search import common_start, usable
 from .tangent import beside
 
@@ -32,7 +33,11 @@ STALLED = 1e-4  # relative change of cost or point that ends the search
 MOST_STEPS = 40
 
 
-def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) -> Preisach:
+def fit_preisach(
+    curves: Sequence[Curve],
+    levels: int | Sequence[float] = 20,
+    constraints: Constraints = FREE,
+) -> Preisach:
     """Fits a dissipative Preisach model to first-order curves, by non-negative least squares.
 
     Torque is linear in the density, which must not be negative, in the elastic slopes, which may,
@@ -46,6 +51,7 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
         levels: The levels [rad], or how many segments to make: one below the lowest angle, the
             others up to the highest. Without a level below the lowest angle, every curve of the
             model comes back to its first torque.
+        constraints: Weights and slopes that are fixed or bounded.
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
@@ -67,17 +73,22 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
     noise = max(_noise(curves) / curves.peak, LEAST_NOISE)
     slope_rule = noise / SLOPE_STEP * np.ptp(grid) * np.diff(np.eye(size), axis=0)
     density_rule = noise / DENSITY_STEP * cells * _differences(width / width.mean())
+    places = [f"density[{i}][{j}]" for i in range(size) for j in range(i + 1)]
+    names = [f"elastic[{i}]" for i in range(size)] + places
     _, slopes, weights = _least_squares(
         curves,
         responses(curves, springs),
         responses(curves, relays),
         np.asarray(block_diag(slope_rule, density_rule)),
+        constraints.ends_of(names) if constraints else None,
     )
     return Preisach(levels=grid, density=_rows(weights), elastic=slopes.tolist())
 
 
 def fit_prandtl_ishlinskii(
-    curves: Sequence[Curve], thresholds: int | Sequence[float] = 20
+    curves: Sequence[Curve],
+    thresholds: int | Sequence[float] = 20,
+    constraints: Constraints = FREE,
 ) -> PrandtlIshlinskii:
     """Fits a dissipative Prandtl-Ishlinskii model of stops by non-negative least squares.
 
@@ -88,6 +99,7 @@ def fit_prandtl_ishlinskii(
     Args:
         curves: First-order curves, which all begin at one angle; those with role "fit" are used.
         thresholds: The thresholds [rad], or how many to spread evenly over the longest way out.
+        constraints: Weights and stiffness that are fixed or bounded; a rest angle is not.
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
@@ -103,7 +115,10 @@ def fit_prandtl_ishlinskii(
         )
     sliders = [PrandtlIshlinskii(stiffness=0, thresholds=[r], weights=[1]) for r in grid]
     spring = np.concatenate([curve.angle - curve.angle[0] for curve in curves])[:, None]
-    offsets, slopes, weights = _least_squares(curves, spring, responses(curves, sliders))
+    names = ["stiffness"] + [f"weights[{i}]" for i in range(len(sliders))]
+    ends = constraints.ends_of(names) if constraints else None
+    columns = spring, responses(curves, sliders)
+    offsets, slopes, weights = _least_squares(curves, *columns, ends=ends)
     stiffness = float(slopes[0])
     first_torque = float(np.mean(offsets))
     return PrandtlIshlinskii(
@@ -149,9 +164,20 @@ def responses(curves: Sequence[Curve], models: Sequence[HysteresisModel]) -> Arr
 
 
 def _least_squares(
-    curves: Sequence[Curve], free: Array, positive: Array, rules: ArrayLike = ()
+    curves: Sequence[Curve],
+    free: Array,
+    positive: Array,
+    rules: ArrayLike = (),
+    ends: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Minimizes |offset of each curve + free x + positive y - torque|^2 + |rules (x, y)|^2.
+
+    Args:
+        curves: Measured curves.
+        free: Columns of x, shape (samples, free).
+        positive: Columns of y, shape (samples, positive).
+        rules: Rows that draw numbers together.
+        ends: Lower and upper bounds of x and y, shape (2, free + positive); None without any.
 
     Returns:
         The offsets, x, and y >= 0.
@@ -161,6 +187,14 @@ def _least_squares(
     design = np.hstack([begins, free, positive])
     design = np.vstack([design, np.pad(rows, ((0, 0), (len(curves), 0)))])
     target = np.concatenate([*[curve.torque for curve in curves], np.zeros(len(rows))])
+    if ends is not None:
+        low, high = np.pad(ends, ((0, 0), (len(curves), 0)), constant_values=np.inf)
+        low[: len(curves)] = -np.inf
+        low[-positive.shape[1] :] = np.maximum(low[-positive.shape[1] :], 0)
+        both = np.asarray(np.linalg.qr(np.column_stack([design, target]), mode="r"))
+        x, _ = bounded_least_squares(both[:, :-1], both[:, -1], low, high)
+        offsets, slopes, weights = np.split(x, [len(curves), len(curves) + free.shape[1]])
+        return offsets, slopes, weights
     # What the free columns can explain drops out, then a triangle says the same in fewer rows.
     first, last = np.split(design, [len(curves) + free.shape[1]], axis=1)
     basis, triangle = np.linalg.qr(first)

@@ -22,6 +22,7 @@ from ..data.curves import Curve, Curves
 from ..data.files import Motion
 from ..fits.certified import begins_safely
 from ..fits.objective import InitialTorque, predicted, torque_errors
+from ..fits.parameters import FREE, Constraints
 from ..fits.registry import fit_model
 from .coverage import NESTED, motion_coverage
 from .noise import GRID, Noise
@@ -232,6 +233,7 @@ def drawn(
     initial_torque: InitialTorque,
     samples: int,
     seed: int,
+    constraints: Constraints = FREE,
 ) -> list[Uncertainty]:
     """Returns the uncertainties of the members with models to randomize with, which they share.
 
@@ -245,6 +247,7 @@ def drawn(
         initial_torque: Torque with which the joint begins [N·m]; or "measured".
         samples: Number of models.
         seed: Seed of all that is drawn.
+        constraints: Parameters that the user fixed or bounded.
     """
     at_least("samples", samples, 0)
     check_seed(seed)
@@ -261,6 +264,7 @@ def drawn(
             measured,
             initial_torque=one.initial_torque,
             fitted_start=one.fitted_start,
+            constraints=constraints,
             samples=count,
             seed=seed + i,
         )

@@ -14,6 +14,7 @@ from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..data.parts import Question
 from ..fits.objective import InitialTorque, nrmse, torque_errors
+from ..fits.parameters import FREE, Constraints
 from ..fits.tangent import beside, coordinates_of, independent, tangent
 from .causes import Cause, Residual, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, outliers, repeated_noise, smooth_columns
@@ -156,6 +157,7 @@ def judge(
     curves: Curves,
     *,
     fitted_start: bool,
+    constraints: Constraints = FREE,
     beyond: bool,
     searched: bool = False,
 ) -> Judgement | None:
@@ -166,6 +168,7 @@ def judge(
         initial_torque: Torque with which the curves begin [N·m], or "measured".
         curves: Fitted curves, thinned to about `JUDGED` samples: more take long and add little.
         fitted_start: Whether the fit chose that torque.
+        constraints: Parameters that the user fixed or bounded.
         beyond: Whether the curves do not cover the intended motion; without such a motion, whether
             they contain no nested loops.
         searched: Whether a swarm or the like searched for least squares, and may have ended early.
@@ -173,7 +176,9 @@ def judge(
     whole = -torque_errors(model, initial_torque, curves)
     if not np.isfinite(whole).all():
         return None
-    coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
+    coordinates = coordinates_of(
+        model, initial_torque, fitted_start=fitted_start, constraints=constraints
+    )
     reached = _reached(tangent(coordinates, curves))
     if whole.size <= reached.shape[1] + LEAST_FREEDOM:
         raise InputError(

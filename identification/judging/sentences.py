@@ -95,6 +95,7 @@ SENTENCES = {
     "or give the tare as a number",
     "limit": "{name} = {value:.5g} is at the limit of the search ({limit:g})",
     "limit gap": "gap = {gap:.5g} is at the limit of the search: it may be wider",
+    "limit given": "{names}: at the bound that was given; the curves ask for more",
     "range": "the model is safe between {low:.2f} and {high:.2f} rad only; its torque is kept "
     "constant outside, since curves that reach farther might show more",
     "certificate": "the fit ended at the limit of the certificate: a model that is not safe may "

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
@@ -17,6 +18,7 @@ from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..fits.certified import refined
 from ..fits.objective import InitialTorque, sample_weights, torque_errors
+from ..fits.parameters import FREE, Constraints
 from ..fits.registry import FITS, fit_model, play_of, rate_of, without_play
 from ..fits.search import MARGIN
 from ..fits.tangent import STEP, Coordinates, coordinates_of, tangent
@@ -105,6 +107,7 @@ def uncertainty(
     *,
     initial_torque: InitialTorque = 0.0,
     fitted_start: bool = False,
+    constraints: Constraints = FREE,
     samples: int = 0,
     seed: int = 0,
 ) -> Uncertainty:
@@ -116,6 +119,8 @@ def uncertainty(
             shortens long ones, which widens the intervals.
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
+        constraints: Parameters that the user fixed or bounded. A fixed one, or one at its bound,
+            counts as known.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
             as that of the residual, an offset and a damping that the curves allow are fitted anew.
         seed: Seed of all that is drawn.
@@ -123,7 +128,9 @@ def uncertainty(
     at_least("samples", samples, 0)
     check_seed(seed)
     measured = Curves(curves).fitted()
-    coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
+    coordinates = coordinates_of(
+        model, initial_torque, fitted_start=fitted_start, constraints=constraints
+    )
     sizes = [curve.torque.size for curve in measured]
     if sum(sizes) <= coordinates.values.size:
         raise InputError(
@@ -147,7 +154,7 @@ def uncertainty(
     intervals = _intervals(coordinates, covariance, limit, noise)
     repeated = _repetitions(model, initial_torque, measured, noise, allowed, samples, seed)
     refits = tuple(
-        _refitted(model, one, initial_torque, fitted_start, damping, seed)
+        _refitted(model, one, initial_torque, fitted_start, constraints, damping, seed)
         for one, damping in repeated
     )
     steps = np.where(
@@ -258,6 +265,7 @@ def _refitted(
     curves: Sequence[Curve],
     initial_torque: InitialTorque,
     fitted_start: bool,
+    constraints: Constraints,
     damping: float,
     seed: int,
 ) -> HysteresisModel:
@@ -270,10 +278,13 @@ def _refitted(
         row = np.array([getattr(degrees, parameter) for parameter in PARAMETERS])
         if fitted_start:
             row, start = np.append(row, float(initial_torque)), "identified"
-        found: HysteresisModel = refined(curves, row, initial_torque=start).model
+        found: HysteresisModel = refined(
+            curves, row, initial_torque=start, constraints=constraints
+        ).model
     elif name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
     else:
         rng, rate, play = np.random.default_rng(seed), rate_of(model), play_of(model)
-        found = fit_model(name, curves, rng, rate=rate, play=play).model
+        options: dict[str, Any] = {"rate": rate, "play": play, "constraints": constraints}
+        found = fit_model(name, curves, rng, **options).model
     return Viscoelastic(model=found, damping=damping) if damping > 0 else found

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Self, TypedDict
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,9 @@ from scipy.optimize import OptimizeResult
 from ...arrays import Array
 from ...errors import InputError
 
-GENERATORS = ("PCG64", "PCG64DXSM", "Philox", "SFC64", "MT19937")
+GENERATORS: dict[str, Any] = {
+    name: getattr(np.random, name) for name in ("PCG64", "PCG64DXSM", "Philox", "SFC64", "MT19937")
+}
 Objective = Callable[[Array], ArrayLike]
 Callback = Callable[[OptimizeResult], None]
 Bounds = Sequence[tuple[float, float]]
@@ -22,13 +24,9 @@ def pack(value: Any) -> Any:
     """Returns arrays and numbers as JSON-able ones; infinity, which JSON has not, becomes None."""
     if isinstance(value, Mapping):
         return {key: pack(part) for key, part in value.items()}
-    if isinstance(value, np.ndarray):
-        return pack(value.tolist())
-    if isinstance(value, list):
-        return [pack(part) for part in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+    if isinstance(value, np.ndarray | list):
+        return [pack(part) for part in np.asarray(value).tolist()]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def unpack(name: str, value: Any, like: Any) -> Any:
@@ -42,54 +40,6 @@ def unpack(name: str, value: Any, like: Any) -> Any:
             "it was saved"
         )
     return np.where(np.isnan(array), np.inf, array)
-
-
-def parts(
-    state: Mapping[str, Any], kind: str, changing: Sequence[str]
-) -> tuple[dict[str, Any], Mapping[str, Any], np.random.Generator]:
-    """Returns options, changing values and an unseeded generator of the saved kind."""
-    _whole(state, ("swarm", "options", "changing", "rng"))
-    if state["swarm"] != kind:
-        raise InputError(
-            f"the state is of a {state['swarm']}, not of a {kind}: call {state['swarm']}.from_state"
-        )
-    _whole(state["changing"], changing)
-    generator = state["rng"].get("bit_generator")
-    if generator not in GENERATORS:
-        raise InputError(
-            f"the state's generator is {generator!r}: use one of {', '.join(GENERATORS)}"
-        )
-    return (
-        dict(state["options"]),
-        state["changing"],
-        np.random.Generator(getattr(np.random, generator)()),
-    )
-
-
-def _whole(part: Mapping[str, Any], keys: Sequence[str]) -> None:
-    for key in keys:
-        if key not in part:
-            raise InputError(f"the state has no {key!r}: use a state as it was saved")
-
-
-class SwarmOptions(TypedDict, total=False):
-    """The options that every swarm takes.
-
-    Attributes:
-        swarm_size: Number of particles; by default 50.
-        max_iterations: Number of moves after the first evaluation; by default 100.
-        velocity_limit: Largest move per iteration, as a fraction of each parameter's range; a
-            faster component is set back to it. Both papers leave Vmax open; the default is 0.2.
-        target: Value that ends the run as soon as the best one is below it (steps 4 and 11 of Li et
-            al. 2022 use 1e-3); by default None, which never ends it.
-        rng: Seed or generator; the same seed gives the same result bit for bit.
-    """
-
-    swarm_size: int
-    max_iterations: int
-    velocity_limit: float
-    target: float | None
-    rng: int | np.random.Generator | None
 
 
 class Swarm(ABC):
@@ -110,9 +60,11 @@ class Swarm(ABC):
         bounds: One pair (low, high) per parameter.
         swarm_size: Number of particles.
         max_iterations: Number of moves after the first evaluation.
-        velocity_limit: Largest move per iteration, as a fraction of each parameter's range.
-        target: Value that ends the run as soon as the best one is below it; None never does.
-        rng: Seed or generator of all random numbers.
+        velocity_limit: Largest move per iteration, as a fraction of each parameter's range; a
+            faster component is set back to it. Both papers leave Vmax open.
+        target: Value that ends the run as soon as the best one is below it (steps 4 and 11 of Li et
+            al. 2022 use 1e-3); None never does.
+        rng: Seed or generator; the same seed gives the same result bit for bit.
     """
 
     # Attributes that change during a run; arrays keep their shape, so construction allocates them.
@@ -261,16 +213,22 @@ class Swarm(ABC):
     @classmethod
     def from_state(cls, state: Mapping[str, Any]) -> Self:
         """Returns the swarm that `state` described; it goes on as if never interrupted."""
-        options, changing, generator = parts(state, cls.__name__, cls._CHANGING)
+        kind = state.get("swarm")
+        if kind not in (None, cls.__name__):
+            raise InputError(
+                f"the state is of a {kind}, not of a {cls.__name__}: call {kind}.from_state"
+            )
         try:
-            swarm = cls(**options, rng=generator)  # construction draws; the state is restored after
-            generator.bit_generator.state = state["rng"]
+            changing, saved = state["changing"], state["rng"]
+            generator = np.random.Generator(GENERATORS[saved["bit_generator"]]())
+            swarm = cls(**state["options"], rng=generator)  # draws; the state is restored after
+            generator.bit_generator.state = saved
+            for name in cls._CHANGING:
+                setattr(swarm, name, unpack(name, changing[name], getattr(swarm, name)))
         except (TypeError, KeyError) as error:
             raise InputError(
                 f"the state does not fit ({error}): use a state as it was saved"
             ) from error
-        for name in cls._CHANGING:
-            setattr(swarm, name, unpack(name, changing[name], getattr(swarm, name)))
         return swarm
 
     @abstractmethod

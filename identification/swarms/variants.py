@@ -1,8 +1,10 @@
 """The published swarms, and the optimizers by name."""
 
+import inspect
 import math
+from abc import ABC
 from collections.abc import Callable
-from typing import ClassVar, Literal, TypedDict, Unpack
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +14,7 @@ from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
 from ...published import KAO_COGNITIVE, KAO_INERTIA, KAO_SOCIAL
-from .swarm import Bounds, Callback, Objective, Swarm, SwarmOptions
+from .swarm import Bounds, Callback, Objective, Swarm
 
 Inertia = Literal["tanh", "linear"] | float
 TANH_RANGE = (0.95, 0.4)  # inertia at the first move and at the last
@@ -30,59 +32,13 @@ Optimizer = Callable[..., OptimizeResult]
 NO_SEARCHES = ("auto", "certified", "magnetic")  # methods of `identify` that no optimizer may hide
 
 
-class Coefficients(TypedDict, total=False):
-    """The options of `pso` in which the two papers differ.
-
-    Attributes:
-        inertia: Inertia of the velocity: "tanh", eq. (10) of Li et al. 2022, the default; "linear",
-            from 0.9 to 0.4; or a constant.
-        cognitive: Coefficient c1, the pull towards a particle's own best; by default 2.
-        social: Coefficient c2, the pull towards the best of all; by default 2.
-        per_dimension: Whether the random numbers of eq. (8) are drawn for each dimension of each
-            particle, as eq. (3) of Kao and Fung 2009 does, instead of once per particle.
-    """
-
-    inertia: Inertia
-    cognitive: float
-    social: float
-    per_dimension: bool
-
-
-class PSOOptions(Coefficients, SwarmOptions, total=False):
-    """The options of `pso`: those of every swarm, and its coefficients."""
-
-
-class SAPSOOptions(SwarmOptions, total=False):
-    """The options of `sa_pso`.
-
-    Attributes:
-        temperature: First temperature, as the best fitness divided by a number: "paper" is eq. (11)
-            as printed, F / e^-10, which is so hot that the roulette stays uniform for all 100
-            iterations; "ln5" is F / ln 5, the textbook rule; a number divides by that number.
-    """
-
-    temperature: Temperature
-
-
-class RankDistanceOptions(PSOOptions, total=False):
-    """The options of `rank_distance_mpso`; those of `pso` are by default `KAO_FUNG`.
-
-    Attributes:
-        distance_rank: Individual that has distance rank 1, which is the best: "far", the farthest
-            from the best solution, as the paper's figure 4 wants it; or "near", the nearest, as its
-            "a higher rank to a longer distance" says word for word.
-        patience: Number of iterations in a row without a better value that ends the run, the
-            paper's second stop rule; it does not print the number. None never ends it so.
-    """
-
-    distance_rank: DistanceRank
-    patience: int | None
-
-
 # What Kao and Fung 2009 identify with; their eq. (4) is inertia="linear".
-KAO_FUNG = Coefficients(
-    inertia=KAO_INERTIA, cognitive=KAO_COGNITIVE, social=KAO_SOCIAL, per_dimension=True
-)
+KAO_FUNG: dict[str, Any] = {
+    "inertia": KAO_INERTIA,
+    "cognitive": KAO_COGNITIVE,
+    "social": KAO_SOCIAL,
+    "per_dimension": True,
+}
 
 
 def tanh_inertia(iteration: int, iterations: int) -> float:
@@ -99,7 +55,18 @@ def linear_inertia(iteration: int, iterations: int) -> float:
 
 
 class PSO(Swarm):
-    """The basic swarm as an ask/tell core; `PSOOptions` lists the options."""
+    """The basic swarm as an ask/tell core.
+
+    Args:
+        bounds: One pair (low, high) per parameter.
+        inertia: Inertia of the velocity: "tanh", eq. (10) of Li et al. 2022; "linear", from 0.9 to
+            0.4; or a constant.
+        cognitive: Coefficient c1, the pull towards a particle's own best.
+        social: Coefficient c2, the pull towards the best of all.
+        per_dimension: Whether the random numbers of eq. (8) are drawn for each dimension of each
+            particle, as eq. (3) of Kao and Fung 2009 does, instead of once per particle.
+        **common: Options of `Swarm`.
+    """
 
     def __init__(
         self,
@@ -109,7 +76,7 @@ class PSO(Swarm):
         cognitive: float = LEARNING_FACTOR,
         social: float = LEARNING_FACTOR,
         per_dimension: bool = False,
-        **common: Unpack[SwarmOptions],
+        **common: Any,
     ) -> None:
         super().__init__(bounds, **common)
         if inertia not in ("tanh", "linear") and not _usable(inertia):
@@ -121,9 +88,8 @@ class PSO(Swarm):
         self._cognitive, self._social = cognitive, social
         if per_dimension:
             self._draws = (2, *self._position.shape)
-        self._options |= Coefficients(
-            inertia=inertia, cognitive=cognitive, social=social, per_dimension=per_dimension
-        )
+        self._options |= {"inertia": inertia, "cognitive": cognitive, "social": social}
+        self._options["per_dimension"] = per_dimension
 
     def _coefficients(self) -> tuple[float, float, float]:
         if self._inertia == "tanh":
@@ -136,11 +102,7 @@ class PSO(Swarm):
 
 
 def pso(
-    objective: Objective,
-    bounds: Bounds,
-    *,
-    callback: Callback | None = None,
-    **options: Unpack[PSOOptions],
+    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
 ) -> OptimizeResult:
     """Minimizes with the basic swarm: eq. (5), (6), (8)-(10) of Li et al. 2022.
 
@@ -153,7 +115,7 @@ def pso(
             keeps its velocity.
         callback: Function that gets the intermediate result after every iteration; it may raise
             StopIteration.
-        **options: Options of the swarm; `PSOOptions` lists them.
+        **options: Options of `PSO`.
 
     Returns:
         A result with `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after
@@ -182,18 +144,14 @@ def scheduled_coefficients(iteration: int, iterations: int) -> tuple[float, floa
 
 
 class MPSO(Swarm):
-    """MPSO as an ask/tell core; `SwarmOptions` lists the options."""
+    """MPSO as an ask/tell core, with the options of `Swarm`."""
 
     def _coefficients(self) -> tuple[float, float, float]:
         return scheduled_coefficients(self.iteration, self._max_iterations)
 
 
 def mpso(
-    objective: Objective,
-    bounds: Bounds,
-    *,
-    callback: Callback | None = None,
-    **options: Unpack[SwarmOptions],
+    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
 ) -> OptimizeResult:
     """Minimizes with MPSO: eq. (13) and (14) of Li et al. 2022 on the basic swarm.
 
@@ -204,7 +162,15 @@ def mpso(
 
 
 class SAPSO(Swarm):
-    """SA-PSO as an ask/tell core; `SAPSOOptions` lists the options."""
+    """SA-PSO as an ask/tell core.
+
+    Args:
+        bounds: One pair (low, high) per parameter.
+        temperature: First temperature, as the best fitness divided by a number: "paper" is eq. (11)
+            as printed, F / e^-10, which is so hot that the roulette stays uniform for all 100
+            iterations; "ln5" is F / ln 5, the textbook rule; a number divides by that number.
+        **common: Options of `Swarm`.
+    """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (*Swarm._CHANGING, "_first_temperature")
 
@@ -213,7 +179,7 @@ class SAPSO(Swarm):
         bounds: Bounds,
         *,
         temperature: Temperature = "paper",
-        **common: Unpack[SwarmOptions],
+        **common: Any,
     ) -> None:
         super().__init__(bounds, **common)
         self._divisor = _divisor(temperature)
@@ -235,18 +201,14 @@ class SAPSO(Swarm):
 
 
 def sa_pso(
-    objective: Objective,
-    bounds: Bounds,
-    *,
-    callback: Callback | None = None,
-    **options: Unpack[SAPSOOptions],
+    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
 ) -> OptimizeResult:
     """Minimizes with SA-PSO: eq. (5), (6), (8)-(12) and steps 1-12 of Li et al. 2022.
 
     In each iteration one random number picks, by the roulette of eq. (12), the personal best that
     the whole swarm follows; the best point ever found is kept apart and returned. `SAPSO` is the
-    same as an ask/tell core that can be saved and resumed. Arguments, result and errors are those
-    of `pso`; `SAPSOOptions` lists the options.
+    same as an ask/tell core that can be saved and resumed, and has the options. Arguments, result
+    and errors are those of `pso`.
     """
     return SAPSO(bounds, **options).minimize(objective, callback)
 
@@ -273,7 +235,15 @@ class RankDistanceMPSO(PSO):
 
     An individual is a particle with its position, velocity and personal best. `ask` returns the
     offspring; `tell` lets the best-scored half of parents and offspring together survive.
-    `RankDistanceOptions` lists the options.
+
+    Args:
+        bounds: One pair (low, high) per parameter.
+        distance_rank: Individual that has distance rank 1, which is the best: "far", the farthest
+            from the best solution, as the paper's figure 4 wants it; or "near", the nearest, as its
+            "a higher rank to a longer distance" says word for word.
+        patience: Number of iterations in a row without a better value that ends the run, the
+            paper's second stop rule; it does not print the number. None never ends it so.
+        **options: Options of `PSO`, by default `KAO_FUNG`.
     """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (
@@ -291,7 +261,7 @@ class RankDistanceMPSO(PSO):
         *,
         distance_rank: DistanceRank = "far",
         patience: int | None = None,
-        **options: Unpack[PSOOptions],
+        **options: Any,
     ) -> None:
         super().__init__(bounds, **{**KAO_FUNG, **options})
         if distance_rank not in ("far", "near"):
@@ -367,11 +337,7 @@ def survivors(error: Array, position: Array, decay: float, *, far_first: bool) -
 
 
 def rank_distance_mpso(
-    objective: Objective,
-    bounds: Bounds,
-    *,
-    callback: Callback | None = None,
-    **options: Unpack[RankDistanceOptions],
+    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
 ) -> OptimizeResult:
     """Minimizes with the modified swarm of Kao and Fung 2009: eq. (3)-(9).
 
@@ -379,9 +345,8 @@ def rank_distance_mpso(
     lowest sum of error rank and decayed distance rank survive, and the best always does. What the
     paper leaves open: an individual takes its velocity and personal best with it, distances are
     measured in units of the box, and ranks start at 1 with ties in order, parents first.
-    `RankDistanceMPSO` is the same as an ask/tell core that can be saved and resumed. Arguments,
-    result and errors are those of `pso`, where `population` is the survivors;
-    `RankDistanceOptions` lists the options.
+    `RankDistanceMPSO` is the same as an ask/tell core that can be saved and resumed, and has the
+    options. Arguments, result and errors are those of `pso`, where `population` is the survivors.
     """
     return RankDistanceMPSO(bounds, **options).minimize(objective, callback)
 
@@ -396,6 +361,12 @@ def _kept(parents: Array, offspring: Array, keep: NDArray[np.intp]) -> Array:
     return np.concatenate((parents, offspring)).take(keep, axis=0)
 
 
+CORES: dict[str, type[Swarm]] = {
+    "pso": PSO,
+    "sa-pso": SAPSO,
+    "mpso": MPSO,
+    "rank-distance-mpso": RankDistanceMPSO,
+}
 SWARMS: dict[str, Optimizer] = {
     "pso": pso,
     "sa-pso": sa_pso,
@@ -403,6 +374,14 @@ SWARMS: dict[str, Optimizer] = {
     "rank-distance-mpso": rank_distance_mpso,
 }
 OPTIMIZERS: dict[str, Optimizer] = dict(SWARMS)
+
+
+def options_of(name: str) -> list[str]:
+    """Returns the names of the options of an optimizer."""
+    made = CORES[name].__mro__ if name in CORES else [OPTIMIZERS[name]]
+    signatures = [inspect.signature(one).parameters for one in made if one not in (ABC, object)]
+    every = [one for parameters in signatures for one in parameters.values()]
+    return list(dict.fromkeys(one.name for one in every if one.kind is not one.VAR_KEYWORD))
 
 
 def register_optimizer(name: str, minimize: Optimizer) -> None:

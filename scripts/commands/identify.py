@@ -1,5 +1,7 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -54,6 +56,8 @@ def identify(
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
     corrections: Annotated[Corrections, tyro.conf.arg(name="")] = NONE,
+    fix: tyro.conf.UseAppendAction[tuple[str, ...]] = (),
+    bound: tyro.conf.UseAppendAction[tuple[str, ...]] = (),
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -90,6 +94,9 @@ def identify(
         initial_torque: Torque with which each curve begins: a number in N·m (by default 0),
             measured (the first sample of the curve) or identified (one number for all curves).
             Only jiles-atherton has this choice; the fits of other models identify it.
+        fix: Parameter that keeps a value, as c=1.2, in the units of the table of the result (angles
+            of jiles-atherton in degrees); give the option again for another one.
+        bound: Lower and upper bound of a parameter, as k=1:50; k=1: and k=:50 have one bound.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -122,6 +129,7 @@ def identify(
     folder = RunFolder(out, force=force) if out else None
     given: dict[str, Any] = {"model": model, "method": method, "trials": trials, "seed": seed}
     given |= {"objective": objective, "normalize": normalize, "initial_torque": initial_torque}
+    given |= {"fixed": _fixed(fix), "bounds": _bounds(bound)}
     given["samples"] = (SAMPLES if out else 0) if samples is None else samples
     with progress(f"identify {family.source}") as bar:
         found = identify_curves(
@@ -159,6 +167,33 @@ def identify(
         raise KeyboardInterrupt(f"the best of the {found.finished} is kept")
     if found.verdict == NOT or any(one.code == "open" for one in found.fit.remarks):
         raise SystemExit(NOT_DESCRIBED)
+
+
+def _fixed(given: Sequence[str]) -> dict[str, float]:
+    """Returns the values of fixed parameters by name."""
+    return {
+        name: _number("--fix", name, text) for name, text in named_values("--fix", given).items()
+    }
+
+
+def _bounds(given: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Returns the bounds of parameters by name; a missing one is infinite."""
+    found = {}
+    for name, text in named_values("--bound", given).items():
+        low, colon, high = text.partition(":")
+        if not colon:
+            raise InputError(f"--bound has {name}={shown(text)}: give LOW:HIGH, as {name}=1:50")
+        ends = ((low, -math.inf), (high, math.inf))
+        pair = [_number("--bound", name, one) if one else none for one, none in ends]
+        found[name] = (pair[0], pair[1])
+    return found
+
+
+def _number(option: str, name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{option} has {name}={shown(text)}: give a number") from None
 
 
 def _check_suit_file(out: Path | None, base: str | None, method: str | None) -> None:

@@ -87,7 +87,7 @@ def test_bad_options(small_family):
         ({"method": "auto"}, r"'auto' was a name of version 0.2: write 'select\(curves\)'"),
         ({"objective": "sse"}, r"'objective' was a name of version 0.2: write 'method=Search"),
         ({"tare": 0.2}, r"'tare' was a name .* write 'corrections=Corrections\(tare=\.\.\.\)'"),
-        ({"weights": 1}, "unknown option 'weights': use one of corrections, initial_torque"),
+        ({"weights": 1}, "unknown option 'weights': use one of bounds, corrections, fixed"),
         ({"method": Search("pso", objective="ssee")}, "unknown loss 'ssee'"),
         ({"initial_torque": "measurd"}, "unknown initial_torque 'measurd'"),
         ({"initial_torque": float("nan")}, "initial_torque is nan"),

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.honesty import truths
 from activesuit.hysteresis import MODELS, BoucWen, Dahl, Duhem
-from activesuit.identification import Curve, fit_curves
+from activesuit.identification import Certified, Curve, fit_curves, fit_duhem
 from activesuit.identification.fits.objective import torque_errors
 from activesuit.identification.fits.registry import FITS, fit_model
 from helpers import assert_refused, family, sweep
 
-START, UNSEEN = 0.52, (0.75, 1.05, 1.4)
+START, TURNS, UNSEEN = 0.52, (0.87, 1.22, 1.57), (0.75, 1.05, 1.4)
 SPRING = (-0.6, 2.0, -1.0, 0.8)
 TRUTH = BoucWen(elastic=2.0, hysteretic=15.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=START)
 TRUTHS = {
@@ -156,3 +157,50 @@ def test_bad_options():
         ("hinged-stops", curves, {"thresholds": [0.1]}, "thresholds is .*: use"),
     ]
     assert_refused(lambda name, given, options: FITS[name](given, **options), rows)
+
+
+def test_the_fit_of_unlike_ways_finds_equal_ones():
+    found = fit_duhem(family(TRUTHS["dahl"], first=begun(TRUTHS["dahl"])), 0)
+    assert found.friction_up == pytest.approx(1.5, rel=1e-3)
+    assert found.friction_down == pytest.approx(1.5, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_random_joints_with_unlike_ways_are_described_to_the_noise():
+    """Those of `bench honesty`, beside fits of the other models with one state."""
+    left = {name: [] for name in ("duhem", "dahl", "bouc-wen", "jiles-atherton")}
+    for seed in range(12):
+        rng = np.random.default_rng([7, seed])
+        truth = truths.duhem(rng)
+        curves = truths.measured(truth, (0.0, 1.0), rng)
+        noise = np.concatenate([one.torque - truth.torque(one.angle) for one in curves])
+        for name, errors in left.items():
+            found = fit_model(name, curves, np.random.default_rng(0))
+            error = torque_errors(found.model, found.initial_torque, curves)
+            errors.append(np.linalg.norm(error) / np.linalg.norm(noise))
+    assert max(left.pop("duhem")) < 1.0
+    assert min(np.median(errors) for errors in left.values()) > 1.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["dahl", "duhem"])
+def test_intervals_contain_the_truth(name):
+    """Nominal intervals of 95 %, over 10 families."""
+    known, inside = TRUTHS[name], []
+    for seed in range(10):
+        curves = family(known, (0.7, *TURNS), first=begun(known), noise=0.03, seed=seed)
+        found = fit_curves(curves, model=name).uncertainty()
+        low, high = found.intervals.T
+        truth = [*numbers(known), begun(known)]
+        assert len(found.names) == known.free_parameters + 1
+        inside.append((low <= truth) & (truth <= high))
+    assert np.mean(inside) > 0.85
+
+
+def test_the_degree_is_an_option():
+    fit = fit_curves(
+        family(TRUTHS["dahl"], first=begun(TRUTHS["dahl"])),
+        model="dahl",
+        method=Certified(degree=1),
+    )
+    assert len(fit.model.spring) == 2

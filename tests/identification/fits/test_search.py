@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from activesuit.identification.fits.search import (
     BudgetSpent,
-    Derivatives,
     Evaluation,
     Search,
     sobol_points,
@@ -33,20 +32,15 @@ class Bowl:
         return np.array([[1, 0], [0, 2], [y, x]], dtype=float)
 
 
-def search_of(problem, budget, exact=False):
-    kind = Derivatives(problem.derivatives, problem.missing) if exact else None
-    return Search(problem, budget, kind)
-
-
 @pytest.mark.parametrize("exact", [True, False])
 def test_it_finds_the_optimum_and_keeps_the_margin(exact):
     problem = Bowl()
-    search = search_of(problem, 200, exact)
+    search = Search(problem, 200, exact=exact)
     search.run(search.screened(sobol_points(problem.low, problem.high, 8, 0)), floor=1e-9)
     np.testing.assert_allclose(search.best, CENTER, atol=1e-4)
     assert search.history[-1][1] == search.score
     assert (np.diff([score for _, score in search.history]) < 0).all()
-    search = search_of(Bowl(wall=0.5), 300, exact)  # a wall beyond the optimum
+    search = Search(Bowl(wall=0.5), 300, exact=exact)  # a wall beyond the optimum
     search.run([np.array([0.9, 0.9]), np.array([-0.5, 0.0])])
     assert search.best is not None
     assert 0.5 - 0.005 <= search.best[0] <= 0.52

@@ -211,22 +211,16 @@ def same(first, second):
 
 
 @pytest.mark.parametrize("name", SWARMS)
-def test_ask_and_tell_is_the_function(name):
+def test_asked_and_resumed_equals_uninterrupted(name):
     options = {"swarm_size": 9, "max_iterations": 30, "rng": 5}
-    swarm = CORES[name](BOUNDS, **options)
+    whole, swarm = SWARMS[name](hurdles, BOUNDS, **options), CORES[name](BOUNDS, **options)
     while not swarm.stopped:
         positions = swarm.ask()
         np.testing.assert_array_equal(positions, swarm.ask())  # the same until `tell`
         fitness = hurdles(positions)
         positions[:] = np.nan  # the caller's own copy
         swarm.tell(fitness)
-    same(swarm.result, SWARMS[name](hurdles, BOUNDS, **options))
-
-
-@pytest.mark.parametrize("name", SWARMS)
-def test_resumed_equals_uninterrupted(name):
-    options = {"swarm_size": 9, "max_iterations": 30, "rng": 5}
-    whole = SWARMS[name](hurdles, BOUNDS, **options)
+    same(swarm.result, whole)
     for rounds, asked in ((0, False), (0, True), (1, False), (12, False), (12, True)):
         swarm = CORES[name](BOUNDS, **options)
         for _ in range(rounds):
@@ -271,14 +265,13 @@ def test_bad_states():
     rows = [
         (MPSO, {}, "the state is of a PSO, not of a MPSO"),
         (PSO, short, r"_position has shape \(1, 1\) instead of \(50, 3\)"),
-        (PSO, {"rng": {"bit_generator": "dice"}}, "generator is 'dice'"),
-        (PSO, {"rng": {"bit_generator": "PCG64"}}, "the state does not fit"),
+        (PSO, {"rng": {"bit_generator": "dice"}}, "the state does not fit .'dice'.: use a state"),
         (PSO, {"options": state["options"] | {"unknown": 1}}, "the state does not fit"),
         (PSO, {"options": {"swarm_size": 5}}, "the state does not fit"),
     ]
     assert_refused(lambda core, changes: core.from_state(state | changes), rows)
     del state["rng"]
-    assert_refused(PSO.from_state, [(state, "has no 'rng'"), ({}, "has no 'swarm'")])
+    assert_refused(PSO.from_state, [(state, "does not fit .'rng'"), ({}, "does not fit")])
 
 
 def valleys(x):
@@ -341,19 +334,18 @@ def test_each_step_of_rank_distance_is_the_papers(distance_rank, inertia):
     history, _, population = rank_transcription(valleys, WIDE, 8, 40, 2, distance_rank, inertia)
     np.testing.assert_allclose(result.history, history, rtol=1e-9)
     np.testing.assert_allclose(result.population, population, rtol=1e-7, atol=1e-12)
+    assert result.fun == valleys(result.x[None])[0] == result.history[-1]
+    assert (result.population == result.x).all(axis=1).any()
 
 
 def test_the_decay_scale_falls_only_without_improvement():
-    swarm = RankDistanceMPSO(WIDE, swarm_size=8, max_iterations=40, rng=2)
-    scales = []
+    swarm, scales = RankDistanceMPSO(WIDE, swarm_size=8, max_iterations=40, rng=2), []
     while not swarm.stopped:
         swarm.tell(valleys(swarm.ask()))
         scales.append(swarm.state()["changing"]["_decay"])
     _, expected, _ = rank_transcription(valleys, WIDE, 8, 40, 2, "far")
     np.testing.assert_allclose(scales, expected, rtol=1e-12)
     assert scales[0] == 0.7
-    # 0.0087 an iteration, were there 100
-    assert min(-np.diff(np.unique(scales)[::-1])[:-1]) == pytest.approx(0.0086875 * 100 / 40)
 
 
 def test_both_stop_rules_of_rank_distance():
@@ -366,10 +358,3 @@ def test_both_stop_rules_of_rank_distance():
     full = rank_distance_mpso(flat, WIDE, max_iterations=6, patience=7, rng=0)
     assert (full.nit, full.message) == (6, "ran all iterations")
     assert rank_distance_mpso(flat, WIDE, rng=0).nit == 100
-
-
-@pytest.mark.parametrize("distance_rank", ["far", "near"])
-def test_rank_distance_keeps_the_best(distance_rank):
-    result = rank_distance_mpso(valleys, WIDE, distance_rank=distance_rank, rng=8)
-    assert result.fun == valleys(result.x[None])[0] == result.history[-1]
-    assert (result.population == result.x).all(axis=1).any()

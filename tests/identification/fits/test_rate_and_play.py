@@ -1,4 +1,4 @@
-"""Fits of what depends on the rate, beside every hysteresis model."""
+"""Fits of what depends on the rate, and of play, beside and before hysteresis models."""
 
 from dataclasses import replace
 
@@ -7,8 +7,8 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, Clipped, JilesAtherton, Viscoelastic
 from activesuit.identification import Corrections, Curve, bare, fit_curves, select
-from activesuit.identification.fits.registry import FITS, fit_model, rate_of
-from helpers import sweep
+from activesuit.identification.fits.registry import FITS, fit_model, play_of, rate_of
+from helpers import family, sweep
 
 NOISE, VISCOUS = 0.05, Corrections(rate="viscous")
 
@@ -136,3 +136,46 @@ def test_torque_that_is_measured_at_another_time_is_no_dashpot(elbow, lag, said_
     said = " ".join(map(str, fit.remarks))
     assert f"measured {said_lag} the angle" in said
     assert "--rate viscous" not in said
+
+
+GAP = 0.05
+
+
+def unhurried(truth, seed=0, noise=0.01):
+    """Returns first-order curves with white noise, a share of the peak."""
+    peak = np.abs(truth.response([0.52, 1.57])).max()
+    return family(truth, (0.8, 1.1, 1.4, 1.57), noise=noise * peak, seed=seed, samples=80)
+
+
+@pytest.mark.parametrize(("gap", "seed"), [(0.02, 0), (0.05, 1), (0.08, 2)])
+def test_the_gap_is_found_within_a_tenth(elbow, gap, seed):
+    curves = unhurried(Backlash(model=elbow, gap=gap), seed)
+    found = fit_model("jiles-atherton", curves, np.random.default_rng(0), play="fit")
+    assert found.model.gap == pytest.approx(gap, rel=0.1)
+    assert found.loss < 0.012
+
+
+@pytest.mark.parametrize("name", ["asymmetric", "bouc-wen"])
+def test_other_models_find_it_too(elbow, name):
+    curves = unhurried(Backlash(model=elbow, gap=GAP))
+    found = fit_model(name, curves, np.random.default_rng(0), play="fit").model
+    assert found.gap == pytest.approx(GAP, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_joint_without_play_gets_none(elbow):
+    for seed in range(3):
+        fit = fit_curves(unhurried(elbow, seed), corrections=Corrections(play="fit"))
+        assert play_of(fit.model) == "none"
+
+
+@pytest.mark.slow
+def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
+    curves = unhurried(Backlash(model=elbow, gap=GAP))
+    tight, loose = fit_curves(curves), fit_curves(curves, corrections=Corrections(play="fit"))
+    assert loose.nrmse < 0.7 * tight.nrmse
+    assert loose.model.certificate().certified
+    known = loose.uncertainty(samples=2)
+    low, high = known.intervals[known.names.index("gap")]
+    assert low < GAP < high
+    assert [play_of(model) for model in known.samples] == ["fit"] * 2

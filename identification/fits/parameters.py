@@ -1,0 +1,302 @@
+"""The parameters of fits: name, unit, value and limits, and what the user fixes or bounds."""
+
+import copy
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import lsq_linear
+
+from ...arrays import Array
+from ...checks import number
+from ...errors import InputError, shown, unknown_name
+from ...hysteresis.around import Backlash, Viscoelastic
+from ...hysteresis.bouc_wen.kernels import LARGEST_POWER
+from ...hysteresis.jiles_atherton.model import JilesAtherton
+from ...hysteresis.protocol import HysteresisModel, Numbers
+from ...hysteresis.registry import MODELS, model_from_dict
+
+Path = tuple[str | int, ...]
+Ends = tuple[float, float]
+EVERY: Ends = (-math.inf, math.inf)
+NEAR = 1e-3  # relative distance from its bound at which a parameter counts as being there
+INSIDE = 1e-3  # share of a bound at which a search begins whose usual box lies beyond it
+# Parameters that may be at the least value of their model; all other ones have to be above it.
+REACHED = ("n", "gap", "damping", "relaxation_stiffness", "relaxation_time")
+LEAST_C = {"certified": {"c": 1.0}, "magnetic": {"c": 0.0}}  # by method
+MOST = {"n": LARGEST_POWER, "magnetic c": 0.999}
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """Parameters that the user fixes or bounds, by name, in the units of the fitted model.
+
+    A name without an index, such as weights, means every number of that list.
+
+    Attributes:
+        fixed: Value of each fixed parameter.
+        bounds: Lower and upper bound of each bounded parameter; an infinite one is none.
+    """
+
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    bounds: Mapping[str, Ends] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, given in (("fixed", self.fixed), ("bounds", self.bounds)):
+            if not isinstance(given, Mapping):
+                raise InputError(f"{name} is {shown(given)}: give a dictionary by parameter name")
+        for name, value in self.fixed.items():
+            number(f"fixed {name}", value)
+        for name, pair in self.bounds.items():
+            try:
+                low, high = (float(end) for end in ([] if isinstance(pair, str) else pair))
+            except (TypeError, ValueError):
+                low = high = math.nan
+            if not low < high:
+                raise InputError(
+                    f"bounds of {name} are {shown(pair)}: give two numbers (low, high), low < high"
+                )
+            if name in self.fixed:
+                raise InputError(
+                    f"{name} is fixed at {self.fixed[name]:g} and bounded by {shown(pair)}: give "
+                    "one of them"
+                )
+
+    def __bool__(self) -> bool:
+        return bool(self.fixed or self.bounds)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all constrained parameters."""
+        return [*self.fixed, *self.bounds]
+
+    def has(self, *names: str) -> bool:
+        """Returns whether any of some parameters is fixed or bounded."""
+        return any(self.ends(name) != EVERY for name in names)
+
+    def hold(self, model: HysteresisModel) -> bool:
+        """Returns whether a fitted model obeys the constraints on its own parameters."""
+        every = parameters_of(model, self)
+        self.ends_of([one.name for one in every])  # refuses an index that the model does not have
+        return all(one.low <= one.value <= one.high for one in every)
+
+    def ends(self, name: str) -> Ends:
+        """Returns the lowest and the highest value that are allowed; both are that of a fixed one.
+
+        Args:
+            name: Name of a parameter, that of a number in a list with its index.
+        """
+        for known in (name, name.partition("[")[0]):
+            if known in self.fixed:
+                return float(self.fixed[known]), float(self.fixed[known])
+            if known in self.bounds:
+                low, high = self.bounds[known]
+                return float(low), float(high)
+        return EVERY
+
+    def ends_of(self, names: Sequence[str]) -> Array:
+        """Returns lower and upper bounds of all numbers of a model, shape (2, n)."""
+        bases = [name.partition("[")[0] for name in names]
+        for name in self.names:
+            if name.partition("[")[0] in bases and name not in (*names, *bases):
+                like = [one for one in names if one.startswith(name.partition("[")[0])]
+                raise InputError(
+                    f"there is no {name}: the model has {like[0]} to {like[-1]}; name one of them"
+                )
+        return np.array([self.ends(name) for name in names]).T
+
+    def box(self, name: str, usual: Ends, least: float = -math.inf) -> Ends:
+        """Returns the search box of a parameter: the user's bounds in place of the usual ones.
+
+        Args:
+            name: Name of the parameter.
+            usual: Usual lower and upper end.
+            least: Value that the search cannot reach; a bound there leaves the usual end.
+        """
+        given_low, given_high = self.ends(name)
+        low = given_low if given_low > least and given_low > -math.inf else usual[0]
+        high = given_high if given_high < math.inf else usual[1]
+        if low > high and given_low == low:  # the usual box lies below the user's bounds
+            high = low + (abs(low) or 1.0) / INSIDE
+        elif low > high:
+            low = (
+                least + INSIDE * (high - least) if least > -math.inf else high - abs(high) / INSIDE
+            )
+        return low, high
+
+    def check(self, kind: str, beside: Mapping[str, str], method: str = "certified") -> None:
+        """Refuses names that a kind of model does not have, and values that it cannot have.
+
+        Args:
+            kind: Name of the model.
+            beside: What is fitted beside it: its rate and play, where these are asked for.
+            method: Name of the method.
+        """
+        if not self:
+            return
+        known = parameter_limits(kind, beside, method)
+        for name in self.names:
+            base, bracket, _ = name.partition("[")
+            if base not in known or (bracket and not known[base].is_list):
+                raise unknown_name(f"parameter of {kind!r}", name, known)
+            if not known[base].allows(*self.ends(name)):
+                text = " to ".join(f"{end:g}" for end in dict.fromkeys(self.ends(name)))
+                raise InputError(
+                    f"{name} is {text}: a fit of {kind!r} allows numbers {known[base]}; its "
+                    f"parameters are {', '.join(known)}"
+                )
+        if self.fixed.keys() >= known.keys():
+            raise InputError(
+                f"every parameter of {kind!r} is fixed, and nothing is left to fit: leave one of "
+                f"{', '.join(known)} free"
+            )
+
+
+FREE = Constraints()
+
+
+class Limits(NamedTuple):
+    """The numbers that a parameter of some model can be.
+
+    Attributes:
+        least: Least number.
+        most: Greatest number.
+        is_closed: Whether a model can have the least number itself.
+        is_list: Whether the parameter is a list of such numbers.
+    """
+
+    least: float
+    most: float
+    is_closed: bool
+    is_list: bool
+
+    def __str__(self) -> str:
+        upper = f" to {self.most:g}" if self.most < math.inf else ""
+        return f"{'from' if self.is_closed else 'above'} {self.least:g}{upper}"
+
+    def allows(self, low: float, high: float) -> bool:
+        """Returns whether a parameter can be fixed or bounded so; an infinite bound is none."""
+        if low == high:
+            return self.least < low <= self.most or (self.is_closed and low == self.least)
+        begins = low == -math.inf or self.least <= low < self.most
+        return begins and (high == math.inf or self.least < high <= self.most)
+
+
+def parameter_limits(kind: str, beside: Mapping[str, str], method: str) -> dict[str, Limits]:
+    """Returns the parameters that a fit of a model has, by name; see `Constraints.check`."""
+    kinds = [MODELS[kind]] if kind in MODELS else []
+    kinds += [JilesAtherton] if kind == "asymmetric" else []
+    kinds += [Backlash] if "play" in beside else []
+    kinds += [Viscoelastic] if "rate" in beside else []
+    found: dict[str, Limits] = {}
+    for model in kinds:
+        least: Any = model.least
+        if model is JilesAtherton:  # whose limits depend on c
+            least = {"Ms": 0.0, "a": 0.0, "k": 0.0} | LEAST_C.get(method, {})
+        for one in fields(cast(Any, model)):
+            is_list = one.type in (Numbers, Sequence[Numbers])
+            if (is_list or one.type is float) and one.name not in model.not_fitted:
+                is_closed = is_list or one.name in REACHED
+                most = MOST.get(one.name, MOST.get(f"{method} {one.name}", math.inf))
+                ends = least.get(one.name, -math.inf), most
+                found[one.name] = Limits(*ends, is_closed, is_list)
+    if beside.get("rate") == "viscous":
+        found = {name: one for name, one in found.items() if "relaxation" not in name}
+    return found
+
+
+class Parameter(NamedTuple):
+    """One parameter of a fitted model.
+
+    Attributes:
+        name: Name, that of a number in a list as weights[3].
+        unit: Unit; empty for a pure number.
+        value: Value of the fit.
+        least: Least value that the model can have; -inf where there is none.
+        low: Lower bound of the user; -inf where there is none.
+        high: Upper bound of the user, which is the lower one for a fixed parameter.
+        path: Keys that lead to it in the dictionary of the model.
+    """
+
+    name: str
+    unit: str
+    value: float
+    least: float
+    low: float
+    high: float
+    path: Path
+
+    @property
+    def state(self) -> str:
+        """One of "free", "fixed" and "at its bound"."""
+        if self.low == self.high:
+            return "fixed"
+        finite = [end for end in (self.low, self.high) if math.isfinite(end)]
+        near = [NEAR * min(abs(end) or math.inf, self.high - self.low) for end in finite]
+        gaps = [abs(self.value - end) for end in finite]
+        is_there = any(gap <= least for gap, least in zip(gaps, near, strict=True))
+        return "at its bound" if is_there else "free"
+
+
+def parameters_of(model: HysteresisModel, constraints: Constraints = FREE) -> tuple[Parameter, ...]:
+    """Returns all parameters that a fit of a model chooses, or that the user fixed."""
+    return tuple(_parameters((), model.to_dict(), constraints))
+
+
+def _parameters(path: Path, content: Any, constraints: Constraints) -> Iterator[Parameter]:
+    model = model_from_dict(content)
+    for key, value in content.items():
+        if key in model.not_fitted:
+            continue
+        if isinstance(value, dict):
+            yield from _parameters((*path, key), value, constraints)
+            continue
+        least, unit = model.least.get(key, -math.inf), model.units.get(key, "")
+        for place, name, one in _numbers((*path, key), key, value):
+            yield Parameter(name, unit, one, least, *constraints.ends(name), place)
+
+
+def _numbers(path: Path, name: str, value: Any) -> Iterator[tuple[Path, str, float]]:
+    """Yields path, name and value of a number, or of each in a list."""
+    if isinstance(value, list | tuple):
+        for i, one in enumerate(value):
+            yield from _numbers((*path, i), f"{name}[{i}]", one)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path, name, float(value)
+
+
+def with_values(content: dict[str, Any], values: Mapping[Path, float]) -> HysteresisModel:
+    """Returns the model of a dictionary with other numbers in some places."""
+    content = copy.deepcopy(content)
+    for path, value in values.items():
+        place: Any = content
+        for key in path[:-1]:
+            place = place[key]
+        place[path[-1]] = value
+    return model_from_dict(content)
+
+
+def bounded_least_squares(
+    columns: ArrayLike, target: Array, low: ArrayLike, high: ArrayLike
+) -> tuple[Array, float]:
+    """Returns the x with the least |columns x - target| and low <= x <= high, and that norm.
+
+    Args:
+        columns: Matrix, shape (rows, n).
+        target: Shape (rows,).
+        low: Lower bounds, shape (n,).
+        high: Upper bounds, shape (n,); a number with equal bounds is fixed.
+    """
+    columns, low, high = (np.asarray(one, dtype=np.float64) for one in (columns, low, high))
+    x, free = low.copy(), low < high
+    if free.any():
+        size = np.linalg.norm(columns[:, free], axis=0)
+        size[size == 0] = 1.0
+        rest = target - columns[:, ~free] @ low[~free]
+        ends = low[free] * size, high[free] * size
+        found = lsq_linear(columns[:, free] / size, rest, ends, method="bvls", tol=1e-12)
+        x[free] = np.clip(found.x / size, low[free], high[free])
+    return x, float(np.linalg.norm(columns @ x - target))
