@@ -84,12 +84,7 @@ def one_line(text: str) -> str:
 
 
 def refuse_old_names(given: Iterable[str], renamed: Mapping[str, str]) -> None:
-    """Refuses names of version 0.2.
-
-    Args:
-        given: Names of options, or of keys of a file.
-        renamed: The new name of each old one.
-    """
+    """Refuses names of version 0.2."""
     for name in given:
         if name in renamed:
             raise InputError(f"{name!r} was a name of version 0.2: write {renamed[name]!r} instead")

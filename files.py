@@ -43,10 +43,6 @@ def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[P
     """Yields the path of a scratch file, which replaces `path` if the block succeeds.
 
     The new file gets the permissions of the one that it replaces. A link is never followed.
-
-    Args:
-        path: Path of the file to write.
-        force: True to replace a file that is there, False to refuse it.
     """
     path = Path(path)
     check_target(path, force=force)
@@ -77,10 +73,6 @@ def move(scratch: Path, path: Path, *, force: bool = True) -> None:
 
 def check_target(path: Path, *, force: bool = True) -> None:
     """Checks that a file may be written: nothing is there, or a regular file that may be replaced.
-
-    Args:
-        path: Path of the file to write.
-        force: True if a regular file that is there may be replaced.
     """
     try:
         mode = path.lstat().st_mode

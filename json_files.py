@@ -19,10 +19,8 @@ Model = TypeVar("Model", bound=BaseModel)
 def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any:
     """Returns the content of a JSON file (UTF-8, with or without a byte order mark).
 
-    Args:
-        path: Path of the file.
-        what: What the file should be, as the error message calls it ("suit").
-        fix: What to do with a file that is no JSON, as the error message says it.
+    `what` names the file in the error sentence ("suit"), and `fix` says what to do with a file that
+    is no JSON.
     """
     content = content_of(path, what, LARGEST)
     try:
@@ -35,15 +33,7 @@ def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any
 
 
 def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = REMAKE) -> Model:
-    """Returns the content of a JSON file as a model of pydantic.
-
-    Args:
-        content: The content.
-        model: The model.
-        name: Name of the file.
-        what: What the file should be, as the error message calls it ("card of a policy").
-        fix: What to do with a wrong file, as the error message says it.
-    """
+    """Returns the content of a JSON file as a model of pydantic."""
     try:
         return model.model_validate(content)
     except ValidationError as error:

@@ -46,12 +46,6 @@ def run_all(
 
     `ray` and `dask` use the cluster that RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names, and
     otherwise start a cluster of `workers` processes on this machine.
-
-    Args:
-        work: Function to call; it can be pickled.
-        arguments: Tuples of arguments, one for each call.
-        backend: Name of the backend.
-        workers: Number of calls at the same time; -1 uses all cores, or the whole cluster.
     """
     check_backend(backend, workers)
     pending = list(arguments)

@@ -35,15 +35,7 @@ def episode(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[tuple[Any
 def filmed(
     made: gymnasium.Env, env: ArmEnv, policy: Policy, seed: int, panel: int
 ) -> tuple[list[Picture], float]:
-    """Films an episode; returns the pictures, and the time from one to the next [s].
-
-    Args:
-        made: The environment, which renders arrays.
-        env: The same without wrappers.
-        policy: Policy that moves the motors.
-        seed: Seed of the episode.
-        panel: Width of the loops [pixels].
-    """
+    """Films an episode; returns the pictures, and the time from one to the next [s]."""
     stride = max(1, round(PERIOD / env.control_dt))
     frames, series = [], []
     with progress("pictures", round(env.duration / env.control_dt) // stride + 1) as bar:

@@ -15,11 +15,6 @@ MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 def joint_of(path: Path, joint: str | None, *, needed: bool = True) -> str | None:
     """Returns `joint`, or the joint that the name of a curve file says; None where none is needed.
-
-    Args:
-        path: Path of the file of curves.
-        joint: Name of the joint, if it is given.
-        needed: Whether a file whose joint is unknown is refused.
     """
     if joint is not None and joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)

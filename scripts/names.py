@@ -33,13 +33,7 @@ STANDS_FOR = {  # parameters of commands that stand for many options
 
 
 def check_names(command: str, arguments: Iterable[str], old: Mapping[str, str]) -> None:
-    """Refuses an option that a command does not have.
-
-    Args:
-        command: Name of the command.
-        arguments: Arguments of the command.
-        old: Sentences about options of version 0.2, by their names.
-    """
+    """Refuses an option that a command does not have."""
     for given in arguments:
         name = given.partition("=")[0].replace("_", "-")
         known = option_names(command)

@@ -185,11 +185,7 @@ def _texts(config: type) -> dict[str, str]:
 
 
 def _given(found: Iterable[tuple[str, Any, Any]]) -> dict[str, Any]:
-    """Returns flags that are given as plain values, those of a group as a dict.
-
-    Args:
-        found: Name, value and default of each flag.
-    """
+    """Returns flags that are given as plain values, those of a group as a dict."""
     given = {}
     for name, value, default in found:
         if is_dataclass(value):

@@ -29,10 +29,6 @@ def note(path: Path, place: Path) -> bool:
 
     A note outlives its file, because a copy of the file is of this machine as well; of many notes
     the oldest are removed.
-
-    Args:
-        path: Path of the file.
-        place: Path that it is going to have, for a person who reads the note.
     """
     try:
         folder = notes_folder()

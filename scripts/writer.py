@@ -103,12 +103,7 @@ def write(report: Report, folder: RunFolder) -> None:
 
 
 def page(report: Report, folder: RunFolder) -> str:
-    """Returns the page of a run: one file that asks nothing of any other place.
-
-    Args:
-        report: What the run found.
-        folder: The run folder, whose files of data the page lists.
-    """
+    """Returns the page of a run: one file that asks nothing of any other place."""
     from jinja2 import Environment
 
     environment = Environment(autoescape=True, trim_blocks=True)

@@ -90,10 +90,6 @@ class Evaluations:
         """Evaluates a network and keeps it if it is the best so far; returns the result.
 
         Without motions to evaluate, the last network is kept, and there is no result.
-
-        Args:
-            steps: Steps of the training so far.
-            network: The network.
         """
         if not self.wanted:
             self.keep(steps, network)
@@ -109,13 +105,7 @@ class Evaluations:
         return result
 
     def keep(self, steps: int, network: Network, scores: dict[str, Any] | None = None) -> None:
-        """Makes a network the policy of the folder.
-
-        Args:
-            steps: Steps of the training so far.
-            network: The network.
-            scores: Result of its evaluation; None if there is none.
-        """
+        """Makes a network the policy of the folder."""
         training = {**self._card.training, "done": steps}
         card = self._card.model_copy(update={"training": training, "scores": scores})
         self._run.write(files_of(card, network))

@@ -87,13 +87,7 @@ def _read(content: bytes, name: str) -> dict[str, Any]:
 
 
 def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
-    """Returns hyperparameters with the types that the algorithm declares.
-
-    Args:
-        algo: Name of the algorithm.
-        given: Hyperparameters by name.
-        where: Place that they are from, for messages.
-    """
+    """Returns hyperparameters with the types that the algorithm declares."""
     if not isinstance(given, Mapping):
         raise InputError(f"the hyperparameters in {where!r} are {shown(given)}: name each one")
     taken = inspect.signature(algorithm_class(algo)).parameters

@@ -38,11 +38,6 @@ def training_seeds(seed: int, count: int, part: int = 0) -> list[int]:
 
     With Gymnasium's own, where row i has seed + i, the trainings 0 and 1 would meet the same
     motions and persons in all rows but one.
-
-    Args:
-        seed: Seed of the training.
-        count: Number of seeds, one for each row of arms.
-        part: Number of the part of the training, where each part begins with new seeds.
     """
     drawn = np.random.SeedSequence((seed, part)).generate_state(count, np.uint64)
     return (drawn & np.uint64(HIGHEST_SEED)).tolist()
@@ -51,14 +46,7 @@ def training_seeds(seed: int, count: int, part: int = 0) -> list[int]:
 def training_environments(
     env: str, rows: int, options: dict[str, Any], residual: Residual | None = None
 ) -> Any:
-    """Returns the environments that a learner trains in, as one of Stable-Baselines3.
-
-    Args:
-        env: Id of the environment.
-        rows: Number of arms.
-        options: Options of the environment.
-        residual: Policy that the learner corrects; None if it acts alone.
-    """
+    """Returns the environments that a learner trains in, as one of Stable-Baselines3."""
     from stable_baselines3.common.vec_env import VecMonitor
 
     from ...envs.sb3 import ArmVecEnv, ResidualVecEnv
@@ -116,10 +104,6 @@ def draw_anew(learner: Any, seed: int) -> None:
     """Makes all that is drawn until the next update follow from the seed and the steps so far.
 
     So a learner that goes on draws what one that was not stopped draws.
-
-    Args:
-        learner: The learner.
-        seed: Seed of the training.
     """
     drawn = np.random.SeedSequence((seed, learner.num_timesteps)).generate_state(1)
     learner.set_random_seed(int(drawn[0]))
@@ -128,12 +112,7 @@ def draw_anew(learner: Any, seed: int) -> None:
 
 
 def save_learner(learner: Any, path: Path) -> None:
-    """Writes a learner, its experience, and the state of its arms into one file.
-
-    Args:
-        learner: The learner, between two control periods.
-        path: Path of the file.
-    """
+    """Writes a learner, its experience, and the state of its arms into one file."""
     monitor, residual = learner.env, _residual(learner.env)
     learner.memory = {
         "arms": monitor.unwrapped.arms.get_state(),
@@ -152,12 +131,6 @@ def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) ->
     """Returns the learner of a checkpoint; this runs whatever code the checkpoint holds.
 
     What it learns next is what it would have learned without the break, to the last bit.
-
-    Args:
-        algo: Name of the algorithm.
-        environments: Environments as those that the learner was trained in.
-        content: Content of the file that `save_learner` wrote.
-        path: Path of the file, for messages.
     """
     file = io.BytesIO(content)
     try:
@@ -186,12 +159,7 @@ def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) ->
 
 
 def unreadable(path: Path, error: Exception) -> InputError:
-    """Returns the message about a checkpoint that cannot be restored.
-
-    Args:
-        path: Path of the checkpoint.
-        error: Exception that its content raises.
-    """
+    """Returns the message about a checkpoint that cannot be restored."""
     reason = next(iter(str(error).splitlines()), type(error).__name__)
     return InputError(
         f"{str(path)!r} is not a readable checkpoint ({reason}): restore it, or train again"

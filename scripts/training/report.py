@@ -20,14 +20,7 @@ COLUMNS = {  # of an evaluation, as columns of the table
 
 
 def write_report_of(run: Run, done: int, evaluations: Evaluations, name: str) -> None:
-    """Writes the learning curve of a training and its report, which says that it has ended.
-
-    Args:
-        run: The run.
-        done: Steps of the training.
-        evaluations: Its evaluations.
-        name: Name of the learning curve.
-    """
+    """Writes the learning curve of a training and its report, which says that it has ended."""
     card, results = run.card, evaluations.results
     header = ["steps", "relief,\n95 % interval", *(title for title, _ in COLUMNS.values())]
     rows = [
@@ -52,12 +45,7 @@ def write_report_of(run: Run, done: int, evaluations: Evaluations, name: str) ->
 
 
 def advice(card: Card, results: Results) -> Iterator[str]:
-    """Yields what to do where even the best policy costs the wearer effort.
-
-    Args:
-        card: Card of the policy.
-        results: Results of the evaluations.
-    """
+    """Yields what to do where even the best policy costs the wearer effort."""
     relief = max(results, key=value)["relief"] if results else None
     if relief is None or relief["value"] >= 0:
         return

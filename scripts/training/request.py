@@ -157,12 +157,7 @@ class TrainingRequest:
 
 
 def _card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict[str, Any]]:
-    """Returns the card of a policy, and the options of its environment.
-
-    Args:
-        chosen: Task and arms.
-        config: All that describes the training, with what the policy observes.
-    """
+    """Returns the card of a policy, and the options of its environment."""
     seen = {name: config[name] for name in OBSERVATION if name in config}
     others = (*seen, "residual", "done")
     training = {name: one for name, one in sorted(config.items()) if name not in others}

@@ -25,10 +25,6 @@ RENEWED = ("steps", "patience")  # what may be new in a resume
 def read_checkpoint(out: Path, *, trust: bool) -> bytes:
     """Returns the checkpoint of a run, without looking into it.
 
-    Args:
-        out: Folder of the run.
-        trust: True to take a file that this machine did not write.
-
     Raises:
         InputError: The file is missing, or was not written on this machine.
     """
@@ -80,9 +76,6 @@ class Run:
         """Writes the card, and a copy of the suit file if there is one; returns the run with both.
 
         In a resume the card of the policy that was kept gets what is new, which holds from now on.
-
-        Args:
-            *others: Names of more files that a new training is without.
         """
         folder, card, new = self.folder, self.card, self.checkpoint is None
         for name in (RESULT, PAGE, CHECKPOINT, WEIGHTS, *others) if new else ():
@@ -105,11 +98,7 @@ class Run:
         return run
 
     def write(self, contents: Mapping[str, bytes | Callable[[Path], object]]) -> None:
-        """Writes files that belong together, which take their places at once, and notes them.
-
-        Args:
-            contents: Content of each file, or a function that writes it to a path.
-        """
+        """Writes files that belong together, which take their places at once, and notes them."""
         with ExitStack() as all_written:
             for name, content in contents.items():
                 scratch = all_written.enter_context(self.folder.replacing(name))
@@ -122,13 +111,7 @@ class Run:
                     _tell_unnoted()
 
     def rounded(self, part: int, parts: str, done: int = 0) -> int:
-        """Returns the steps of the training in whole parts, and says so where they are more.
-
-        Args:
-            part: Steps of a part.
-            parts: Name of the parts.
-            done: Steps that are done.
-        """
+        """Returns the steps of the training in whole parts, and says so where they are more."""
         steps = self.card.training["steps"]
         total = done + math.ceil(max(0, steps - done) / part) * part
         if total > max(steps, done):

@@ -39,14 +39,7 @@ def seeds_of(text: str) -> list[int]:
 
 
 def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers: int) -> None:
-    """Trains with each seed in a folder of its own, and reports all of them together.
-
-    Args:
-        request: What each training is asked for.
-        seeds: The seeds.
-        out: Folder of the folders.
-        workers: Number of trainings at once.
-    """
+    """Trains with each seed in a folder of its own, and reports all of them together."""
     folder = RunFolder(out, force=request.force, resumes=request.resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
     given = [(path, seed) for seed, path in runs.items()]
@@ -80,11 +73,7 @@ def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers
 
 
 def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
-    """Returns the interquartile mean over trainings, with its interval from five trainings on.
-
-    Args:
-        reliefs: Relief of each training, a mean over motions.
-    """
+    """Returns the interquartile mean over trainings, with its interval from five trainings on."""
     scores = np.array(reliefs, float)
     if len(scores) < FEWEST:
         return {"value": float(interquartile_mean(scores))}
