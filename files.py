@@ -72,8 +72,7 @@ def move(scratch: Path, path: Path, *, force: bool = True) -> None:
 
 
 def check_target(path: Path, *, force: bool = True) -> None:
-    """Checks that a file may be written: nothing is there, or a regular file that may be replaced.
-    """
+    """Checks that a file may be written: nothing is there, or a file that may be replaced."""
     try:
         mode = path.lstat().st_mode
     except FileNotFoundError:

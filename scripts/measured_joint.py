@@ -14,8 +14,7 @@ MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
 def joint_of(path: Path, joint: str | None, *, needed: bool = True) -> str | None:
-    """Returns `joint`, or the joint that the name of a curve file says; None where none is needed.
-    """
+    """Returns `joint`, or the joint that a file's name says; None where no joint is needed."""
     if joint is not None and joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)
     for name in (joint, path.stem, f"{path.stem}_flexion"):
