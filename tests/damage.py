@@ -33,7 +33,7 @@ import numpy as np
 import tyro
 from activesuit.assets import JOINTS, curves_path, load_suit
 from activesuit.envs.policies.network import files_of, read_card, read_network
-from activesuit.scripts.main import function_of
+from activesuit.scripts.commands import function_of
 from activesuit.scripts.main import main as activesuit
 from activesuit.scripts.options import with_flags
 from trained_runs import make_run

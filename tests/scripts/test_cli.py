@@ -16,8 +16,9 @@ from activesuit.benchmarks import starts
 from activesuit.benchmarks.bench import bench
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import Search, fit_curves, identify, load_curves
+from activesuit.scripts.commands import COMMANDS
 from activesuit.scripts.folders import to_json
-from activesuit.scripts.main import COMMANDS, main
+from activesuit.scripts.main import main
 from helpers import fails, in_this_process, run, shorten_tasks
 
 ELBOW = str(curves_path("elbow"))
