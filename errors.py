@@ -1,4 +1,4 @@
-"""The exception that a user's mistake raises, and the sentences it is made of."""
+"""The exception that a user's mistake raises, and the parts of its sentence."""
 
 import difflib
 from collections.abc import Iterable, Mapping
@@ -33,11 +33,11 @@ def unknown_name(
     Names in the middle are left out where the message would be too long.
 
     Args:
-        kind: What the name is of, for the message.
-        name: The name.
-        allowed: The names that there are.
-        elsewhere: Names in other places, as "place.name", up to three of which are the hint where
-            they are closer.
+        kind: Kind of the named thing, for the message ("suit").
+        name: The unknown name.
+        allowed: Known names.
+        elsewhere: Known names in other places, as "place.name"; the hint has up to three of them
+            where they are closer.
     """
     allowed = sorted(allowed)
     known = {path.rpartition(".")[2]: path for path in elsewhere} | {one: one for one in allowed}

@@ -1,6 +1,6 @@
-"""Writes files in one piece, over regular files only: a crash leaves the old one or the new one.
+"""Writes each file in one piece, so that a crash leaves either the old file or the new file.
 
-Until it is complete, a file has a scratch name, with which the end of a killed process leaves it.
+A file has a scratch name until it is complete; a killed process leaves that scratch file behind.
 """
 
 import os
@@ -22,7 +22,7 @@ def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str =
         path: Path of the file.
         what: What the file should be, as the error message calls it ("suit").
         largest: Greatest number of bytes.
-        fix: What to do with a longer one, as the error message says it.
+        fix: Phrase for the error message that says what to do with a longer file.
     """
     try:
         with Path(path).open("rb") as file:
@@ -46,7 +46,12 @@ def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[P
     """
     path = Path(path)
     check_target(path, force=force)
-    scratch = _make_scratch(path)
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=SCRATCH, suffix=path.suffix)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    os.close(handle)
+    scratch = Path(name)
     try:
         yield scratch
         move(scratch, path, force=force)
@@ -87,15 +92,6 @@ def check_target(path: Path, *, force: bool = True) -> None:
         raise InputError(f"{str(path)!r} is not a regular file: give another name")
     if not force:
         raise InputError(f"{str(path)!r} exists: give another name, or add --force to replace it")
-
-
-def _make_scratch(path: Path) -> Path:
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=SCRATCH, suffix=path.suffix)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    os.close(handle)
-    return Path(name)
 
 
 def _unwritable(path: Path, error: OSError) -> InputError:

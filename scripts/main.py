@@ -13,7 +13,7 @@ from ..text import visible
 from .commands import COMMANDS, GROUPS, MAIN_COMMANDS, PARTS, function_of
 from .engine_log import engine_warnings
 from .names import check_names
-from .old_names import MOVED, OLD_OPTIONS
+from .old_names import MOVED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -21,7 +21,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs one command; after a user's mistake, prints one sentence and exits with code 2.
 
-    SIGTERM, by which a scheduler ends a job, does what Ctrl-C does.
+    SIGTERM, by which a scheduler ends a job, has the same effect as Ctrl-C.
     """
     with mistakes_reported():
         _run(sys.argv[1:] if arguments is None else list(arguments))
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 @contextmanager
 def mistakes_reported() -> Iterator[None]:
-    """Runs the block as a program; after a user's mistake it ends with one sentence and code 2."""
+    """Runs the block as a program; a user's mistake ends it with one sentence and code 2."""
     try:
         with _interruptible():
             yield
@@ -37,16 +37,16 @@ def mistakes_reported() -> Iterator[None]:
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
-        # If it came while a library ran a text as code, `python -m` would end by SIGINT, whatever
-        # the exit code; another text makes it forget that.
+        # After Ctrl-C inside code that a library executes from a text, `python -m` ends by SIGINT,
+        # whatever the exit code; executing another text resets that state.
         exec("")
         _stop(f"interrupted: {interrupt}" if interrupt.args else "interrupted")
     except MemoryError as error:
         _stop(f"error: there is not enough memory ({error}): ask for less at once")
-    except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
+    except BrokenPipeError:  # the reader of our output, such as `head`, has ended
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        _stop(f"error: {InputError(error)}")  # which is short, and one line
+        _stop(f"error: {InputError(error)}")  # InputError makes the message one short line
     finally:
         if folders := sys.modules.get(f"{__package__}.folders"):
             folders.close_folders()
@@ -54,7 +54,7 @@ def mistakes_reported() -> Iterator[None]:
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, whatever a library makes of it."""
+    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, also where a library changes its type."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread gets signals
         return
@@ -69,7 +69,7 @@ def _interruptible() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        if came:  # compiled modules turn it into an ImportError while they are loaded
+        if came:  # a compiled module turns a KeyboardInterrupt at its import into an ImportError
             raise KeyboardInterrupt from error
         raise
     finally:
@@ -127,12 +127,12 @@ def _help_of_parts(name: str) -> str:
 
 
 def _run_command(name: str, arguments: Sequence[str]) -> None:
-    check_names(name, arguments, OLD_OPTIONS)
+    check_names(name, arguments)
     from .extensions import import_from_here, load_extensions
     from .options import parsed
 
     load_extensions()
-    # A policy or an environment as module:name, or a file of a policy that may have one.
+    # The user names a policy or an environment as module:name, or trusts files that may do so.
     if "--trust" in arguments or any(":" in given for given in arguments):
         import_from_here()
     call = parsed(function_of(name), f"activesuit {name}", arguments)

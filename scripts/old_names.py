@@ -1,8 +1,8 @@
-"""Commands and options of version 0.2, and what to do in their place."""
+"""Commands and options of version 0.2, and their replacements."""
 
 _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
-MOVED = {  # commands that are gone, the longer names first, and what to run in their place
+MOVED = {  # removed commands, the longer names first, and the commands to run in their place
     **{f"measure {name}": f"activesuit {name}" for name in ("design", "rig")},
     "measure": "activesuit design or activesuit rig",
     "animate": "activesuit view --film FILE",
@@ -20,7 +20,7 @@ MOVED = {  # commands that are gone, the longer names first, and what to run in 
     **dict.fromkeys(("reproduce kao-fung-2009", "kao-fung"), _PAPER.format("kao_fung_2009")),
     **{name: f"activesuit list {name}" for name in ("suits", "tasks", "policies")},
 }
-OLD_OPTIONS = {  # of version 0.2, and what to do in their place
+OLD_OPTIONS = {  # removed options, and what to do in their place
     **{
         f"--{old}": f"write --{new}"
         for old, new in {

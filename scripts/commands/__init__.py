@@ -1,8 +1,8 @@
 """The commands of `activesuit`, in the order of its help; each is a function in a file here.
 
-The first word of a command is the name of the file, the last one that of the function. Only the
-file that is asked for is imported, because all of them together take more than a second. The
-sentence of a command is the beginning of the function's own help.
+The first word of a command is the name of the file, the last word is the name of the function. Only
+the file of the given command is imported, since importing all files takes more than a second. The
+sentence of a command is the first sentence of the help of the function.
 """
 
 from collections.abc import Callable
@@ -11,9 +11,9 @@ from importlib import import_module
 GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
-        "doctor": "Check this installation, and say how to mend what fails.",
-        "list suits": "List the shipped suits, or show and check one.",
-        "list tasks": "List the tasks, or say what one is.",
+        "doctor": "Check this installation, and say how to repair failures.",
+        "list suits": "List the shipped suits, or show and check one suit.",
+        "list tasks": "List the tasks, or describe one task.",
         "list policies": "List the policies, with the sensors that they need and their options.",
     },
     "Identify": {
@@ -26,7 +26,7 @@ GROUPS = {
         "view": "Watch the assisted arm move in a window; film or picture it.",
     },
     "Evaluate": {
-        "evaluate": "Compare assist policies by what the wearer has to do.",
+        "evaluate": "Compare assist policies by the effort of the wearer.",
         "validate": "Validate an identified suit model in closed loop.",
     },
     "Train": {
@@ -39,7 +39,7 @@ GROUPS = {
 }
 COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
 MAIN_COMMANDS = sorted({name.split()[0] for name in COMMANDS})
-PARTS = {  # commands that are nothing without one of these words
+PARTS = {  # commands that need one of these words
     one: [name.split()[1] for name in COMMANDS if name.startswith(f"{one} ")]
     for one in MAIN_COMMANDS
     if one not in COMMANDS

@@ -1,4 +1,4 @@
-"""Several trainings that differ by their seed alone, and what they say together."""
+"""Several trainings that differ by their seed alone, and their common report."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -17,13 +17,13 @@ from .evaluations import read_evaluations, relief_text, value
 from .report import learning_plot
 from .request import TrainingRequest
 
-MOST = 1000  # seeds
-HIGHEST = 2**32 - 1  # seed that the generators of all learners take
-FEWEST = 5  # trainings from which an interval can be had
+MOST = 1000  # greatest number of seeds
+HIGHEST = 2**32 - 1  # largest seed for the generators of all learners
+FEWEST = 5  # least number of trainings for an interval
 
 
 def seeds_of(text: str) -> list[int]:
-    """Returns seeds from "0-9" or "0,3,5", each once and in order."""
+    """Returns the seeds of a text such as "0-9" or "0,3,5", each once and in order."""
     found: set[int] = set()
     for part in text.split(","):
         match = re.fullmatch(r"\s*([0-9]{1,10})(?:-([0-9]{1,10}))?\s*", part)
@@ -73,7 +73,7 @@ def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers
 
 
 def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
-    """Returns the interquartile mean over trainings, with its interval from five trainings on."""
+    """Returns the interquartile mean over trainings, with an interval for five or more."""
     scores = np.array(reliefs, float)
     if len(scores) < FEWEST:
         return {"value": float(interquartile_mean(scores))}

@@ -8,6 +8,7 @@ from activesuit.assets import FOLDER, curves_path
 from helpers import content, fails
 from trained_runs import make_run
 
+FULL = "is not empty, it holds 'notes.txt': choose a new folder as --out, or add --force"
 HEADER = "curve,angle_rad,torque_nm\n"
 WAY = "time_s,angle_rad\n0,0.52\n5,{}\n"
 WHOLE = (FOLDER / "suits" / "mock-suit.json").read_text(encoding="utf-8")
@@ -38,6 +39,11 @@ IDENTIFY = {
     "elbow.csv --trials 0": "trials is 0",
     "elbow.csv --trials 1000000000": "trials is 1000000000: use at most 10,000,000",
     "elbow.csv --out empty": "--out",
+    "elbow.csv --out other": FULL,
+    "elbow.csv --trials 0 --out new/out": "trials is 0",
+    "elbow.csv --trials 0 --out bare": "trials is 0",
+    "elbow.csv --trials x": "--trials",
+    "elbow.csv --samples 1.5": "--samples",
     "elbow.csv --joint knee --out out": "unknown joint 'knee'",
     "elbow.csv --seed -1": "seed is -1",
     "elbow.csv --model preisach --method pso": "has the method 'certified'",
@@ -63,6 +69,8 @@ IDENTIFY = {
     "elbow.csv --average-cycles": "curve '0.87' has 2 branches",
 }
 EVALUATE = {
+    "--policies none --motions 8 --out other": FULL,
+    "--motions 1.5": "--motions",
     "--motions 1000000000": "motions is 1000000000: use at most",
     "--motions 0 --out out": "motions is 0",
     "--motions 7": "motions is 7: use at least 8",
@@ -75,6 +83,7 @@ EVALUATE = {
     "--seed -1": "seed is -1",
 }
 SIMULATE = {
+    "--out other": FULL,
     "--out out --policy magic": "unknown policy",
     "--out out --suit cut.json": "not complete JSON",
     "--out out --seed -1": "seed is -1",
@@ -95,6 +104,7 @@ SIMULATE = {
 VALIDATE = {
     "": "no suit is given",
     "cut.json": "not complete JSON",
+    "mock-suit --plant mock-suit --out other": FULL,
     "emu-like --plant mock-suit --motions 7": "motions is 7: use at least 8",
     "emu-like --plant emu-like --policy compensation:suit=mock-suit": "has a suit: leave that out",
     "mock-suit --plant nope": "unknown suit 'nope'",
@@ -105,6 +115,8 @@ VALIDATE = {
     "mock-suit --held-out other.csv": "give --joint",
 }
 RIG = {
+    "--out other": FULL,
+    "--noise x": "--noise",
     "--repeats 1000000000": "repeats is 1000000000: use at most",
     "--turns 3.0": "turn is 3 rad: give an angle in the range of elbow_flexion",
     "--rate 0": "rate is 0 rad/s: give 0.01 to 0.5",
@@ -126,6 +138,7 @@ DESIGN = {
     "": "give a file of curves, or --range LOW HIGH in rad, and not both",
     "none.csv": "cannot read the curves 'none.csv'",
     "elbow.csv --range 0 1": "and not both",
+    "--range 0 x": "--range",
     "--range 1 0": "--range is 1 to 0 rad: give the smaller angle first",
     "--range 0 90": "end is 90 rad, more than a full turn",
     "--range 0 1 --min-rate 0": "min_rate is 0 rad/s: give a number above 0",
@@ -220,6 +233,7 @@ TRAIN = {
     "--task Knitting": "unknown task 'Knitting'",
     "--sensors eyes": "unknown",
     "--out run": "holds a trained run: add --resume",
+    "--steps 1 --out other": FULL,
 }
 BEGUN = {  # what shows when the arms act, after the folder of the training is made
     "--residual adaptive --sensors encoders": "needs the sensors encoders, inter",
@@ -258,6 +272,7 @@ MISTAKES = {
     "demo --out out": {
         "--motions 7": "motions is 7: use at least 8",
         "--motions 0": "motions is 0",
+        "--out other": FULL,
         "--trials 0": "trials is 0",
         "--seed -5": "seed is -5",
     },
@@ -266,15 +281,16 @@ MISTAKES = {
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch, tmp_path_factory):
+def folder(tmp_path, monkeypatch):
     """The working folder of the commands, with the files that they read."""
     monkeypatch.chdir(tmp_path)
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
     for name, text in FILES.items():
         (tmp_path / name).write_text(text)
-    (tmp_path / "other").mkdir()
+    for name in ("bare", "other"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "other" / "notes.txt").write_text("mine")
     for name in ("elbow.csv", "other.csv"):
         shutil.copy(curves_path("elbow"), tmp_path / name)
     return tmp_path
