@@ -14,7 +14,7 @@ HIGHEST_SEED = 2**63 - 1
 
 
 def number(name: str, value: Any, unit: str = "") -> float:
-    """Returns `value` as a float; raises an InputError if it is not a finite number."""
+    """Returns `value` as a float; refuses values that are no finite numbers."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{name} is {shown(value)}: give a number{_in(unit)}")
     try:

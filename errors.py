@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 LONGEST = 300  # characters of a message
-LONGEST_VALUE = 80  # characters of a value in it
+LONGEST_VALUE = 80  # characters of a value in a message
 GAP = " ... "
 
 
@@ -13,12 +13,12 @@ class InputError(ValueError):
     """A value that the user gave cannot be used: a file, an argument, a parameter or an action.
 
     The message is one sentence that names the value, the allowed range and the fix. The command
-    line prints it without a traceback and exits with code 2. It is one line of at most 300
-    characters, without control characters. A longer message loses its middle, since its beginning
-    names what is wrong and its end gives the fix.
+    line prints the message without a traceback and exits with code 2. The message is one line of at
+    most 300 characters, without control characters. A longer message loses its middle, since the
+    beginning names the mistake and the end gives the fix.
 
-    Every public function raises it for an argument that it cannot use, before anything has changed
-    or been written. A docstring has a section "Raises" only where it says more than that.
+    Every public function raises this error for an argument that cannot be used, before anything has
+    changed or been written. A docstring has a section "Raises" only for further errors.
     """
 
     def __init__(self, message: object = "") -> None:

@@ -20,7 +20,7 @@ def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str =
 
     Args:
         path: Path of the file.
-        what: What the file should be, as the error message calls it ("suit").
+        what: Kind of the file, for the error message ("suit").
         largest: Greatest number of bytes.
         fix: Phrase for the error message that says what to do with a longer file.
     """

@@ -39,7 +39,7 @@ DASHES = {"solid": "-", "dash": "--", "dot": ":"}
 GOOD_TO_BAD = [[0, "#1a9850"], [0.5, "#fee08b"], [1, "#d73027"]]
 LARGEST = 1e12  # largest number that is drawn; matplotlib fails at some larger numbers
 LEAST_HEIGHT = 0.1  # of an angle axis [rad], so that noise does not fill the axis
-DRAWN = 400, 2700  # greatest number of points of a line, and about that of a panel, on a page
+DRAWN = 400, 2700  # greatest numbers of points on a page: of a line, and about of a panel
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Line:
         name: Name in the legend; marks of the same name have the same color. "" means no entry.
         points: Whether to draw points in place of a line.
         width: Width of the line [points].
-        color: Color as CSS writes it; by default that of the name.
-        dash: "solid", "dash" or "dot"; by default that of the name.
+        color: Color of CSS; by default the color of the name.
+        dash: "solid", "dash" or "dot"; by default the dash of the name.
     """
 
     x: ArrayLike

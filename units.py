@@ -42,7 +42,7 @@ SCALED = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*([^\d/]+?)\
 
 
 class Unit(NamedTuple):
-    """A unit: its name, and the factor from it to rad, N·m or s."""
+    """A unit, with the factor that converts numbers to rad, N·m or s."""
 
     name: str
     factor: float

@@ -1,4 +1,4 @@
-"""A suit: a hysteresis model for each joint that it resists, its pressure, and its file (JSON)."""
+"""A suit: hysteresis models by joint, the operating pressure, and the suit file (JSON)."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ class Suit(Strict):
     Attributes:
         schema_version: Version of the file format.
         name: Name of the suit.
-        description: Description of the suit, and of how far its numbers can be trusted.
+        description: Description of the suit, and of the quality of its numbers.
         label: Origin of the numbers: "from paper" (published numbers), "illustrative" (numbers of
             a plausible size that belong to no real suit) or "extrapolated" (numbers of another
             pressure); None for your own suits.

@@ -18,7 +18,7 @@ from ..identification import Certified, Curve, fit_curves
 from ..identification.fits.registry import FITS, fit_model
 
 ENV = "ActiveSuit/ArmTracking-v0"
-RANGE = np.array([0.5, 1.5])  # rad, of the record to which all models are fitted
+RANGE = np.array([0.5, 1.5])  # [rad], of the record for all fits
 BUDGET = 100  # evaluations of each fit, whose quality does not matter
 
 

@@ -13,6 +13,7 @@ import os
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, suppress
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,12 +68,10 @@ class RunFolder:
     @classmethod
     def of(cls, out: Path | None, command: str, *, force: bool = False) -> "RunFolder":
         """Returns the given folder, by default a new one: runs/COMMAND, runs/COMMAND-2, ..."""
-        number = 1
-        while out is None:
-            path = Path("runs", command if number == 1 else f"{command}-{number}")
-            out = path if not (path.is_dir() and any(path.iterdir())) else None
-            number += 1
-        return cls(out, force=force)
+        names = (command if number == 1 else f"{command}-{number}" for number in count(1))
+        paths = (Path("runs", name) for name in names)
+        unused = (path for path in paths if not (path.is_dir() and any(path.iterdir())))
+        return cls(out or next(unused), force=force)
 
     def close(self) -> None:
         """Lets other processes write into the folder; removes a new folder that is still empty."""

@@ -54,7 +54,7 @@ def mistakes_reported() -> Iterator[None]:
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, also where a library changes its type."""
+    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, even where a library replaces it."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread gets signals
         return

@@ -147,14 +147,15 @@ def _flag(name: str, kind: Any, value: Any, text: str, setting: Any) -> tuple[An
     """Returns type and default of one flag; None, False or () mean that the flag is not given."""
     if kind is bool and value is False:
         return Annotated[bool, tyro.conf.arg(help=text)], False
-    usual = "" if value is None else f"default: {_shown(value)}"
+    words = " ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
+    usual = "" if value is None else f"default: {words}"
     if setting is not None:
         usual += f"{'; ' * bool(usual)}{setting.low:g} to {setting.high:g}"
     usual = f"({usual})" if usual else ""
     args, origin = get_args(kind), get_origin(kind)
     if kind is bool:
-        words = {"true": True, "false": False}
-        return Annotated[Any, choice(lambda: words, text, hint=usual, values=words)], None
+        values = {"true": True, "false": False}
+        return Annotated[Any, choice(lambda: values, text, hint=usual, values=values)], None
     if origin is Literal:
         return Annotated[Any, choice(lambda: args, text, hint=usual)], None
     if origin is tuple and args[-1] is Ellipsis:
@@ -165,10 +166,6 @@ def _flag(name: str, kind: Any, value: Any, text: str, setting: Any) -> tuple[An
         return Annotated[Any, optional_number("", kind, 1, text, usual)], None
     known = {"suit": suits, "gravity": gravities}.get(name, lambda: ("MODULE:FUNCTION",))
     return Annotated[Any, choice(known, text, hint=usual)], None
-
-
-def _shown(value: Any) -> str:
-    return " ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
 
 
 def _without_none(hint: Any) -> Any:

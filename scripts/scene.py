@@ -53,11 +53,6 @@ class Scene:
     policies: tuple[PolicySpec | str, ...] = ()
 
     @property
-    def arm(self) -> dict[str, Any]:
-        """Options that are fields of `ArmConfig`."""
-        return {name: value for name, value in self.options.items() if name in OF_ARM}
-
-    @property
     def place(self) -> str:
         """Title of a table: task, place, suit and level."""
         task = self.options.get("task", self.env)
@@ -74,7 +69,7 @@ def scene(
     trusted: bool = False,
     usual: Mapping[str, Any] | None = None,
 ) -> Scene:
-    """Returns what to simulate.
+    """Returns the task and the options of a simulation.
 
     The value of an option is the given value, or else the value of the training runs, or else the
     usual value. Given options of the arm must be as in the training runs; the level, sensing,

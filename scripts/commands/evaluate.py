@@ -15,14 +15,7 @@ from ..output import progress
 from ..scene import scene
 from ..writer import Report, conclude
 
-USUAL_POLICIES = (
-    "none",
-    "transparent",
-    "gravity",
-    "feedforward",
-    "compensation",
-    "best-known-plan",
-)
+USUAL_POLICIES = (*"none transparent gravity feedforward compensation best-known-plan".split(),)
 
 
 def evaluate(

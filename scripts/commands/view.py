@@ -6,7 +6,6 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Annotated, Any
 
-import gymnasium
 import numpy as np
 
 from ...checks import check_seed
@@ -76,11 +75,14 @@ def view(
     if draw is not None:
         simulated.renderer.beside = DRAWINGS.find(draw)(simulated.episodes.simulation)
     if path:
+        from matplotlib.image import imsave
+
         with replacing(path, force=force) as scratch:
             if write:
                 write(scratch, *filmed(made, simulated, actor, seed, panel))
             else:
-                _take_picture(made, seed, scratch)
+                made.reset(seed=seed)
+                imsave(scratch, np.asarray(made.render()), format="png")
         say(f"wrote {path}")
     else:
         with suppress(KeyboardInterrupt):
@@ -121,10 +123,3 @@ def _open_window(motion: Iterator[Any]) -> None:
     with suppress(RenderingUnavailableError):  # when the window is closed
         for _ in motion:
             pass
-
-
-def _take_picture(env: gymnasium.Env, seed: int, path: Path) -> None:
-    from matplotlib.image import imsave
-
-    env.reset(seed=seed)
-    imsave(path, np.asarray(env.render()), format="png")

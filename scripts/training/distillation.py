@@ -125,7 +125,7 @@ def _plant(env: str, options: Mapping[str, Any]) -> Plant:
 def _columns(
     env: str, options: Mapping[str, Any], layout: Mapping[str, slice], size: int
 ) -> NDArray[np.int64]:
-    """Returns the columns of an observation inside one of more sensors and frames."""
+    """Returns the columns of an observation inside an observation with more sensors and frames."""
     one = _plant(env, {**options, "history": 1})
     frame = [layout[name] for name in sorted(one.layout, key=lambda name: one.layout[name].start)]
     columns = np.concatenate([np.arange(part.start, part.stop) for part in frame])
@@ -194,5 +194,5 @@ class _Student:
             self._optimizer.load_state_dict(found["optimizer"])
             self.rounds = int(found["rounds"])
             self._kept.extend((seen.numpy(), wished.numpy()) for seen, wished in found["kept"])
-        except Exception as error:  # a damaged file fails wherever it is damaged
+        except Exception as error:  # a damaged file can raise any error
             raise unreadable(path, error) from error

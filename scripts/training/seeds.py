@@ -43,15 +43,11 @@ def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers
     folder = RunFolder(out, force=request.force, resumes=request.resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
     given = [(path, seed) for seed, path in runs.items()]
-    if workers == 1:
-        for path, seed in given:
-            request.seed(path, seed)
-    else:
-        for _ in run_all(request.seed, given, "loky", workers):
-            pass
+    for _ in run_all(request.seed, given, "loky", workers):  # one worker is this process
+        pass
     found = {seed: read_evaluations(path) for seed, path in runs.items()}
     curves = {f"seed {seed}": one["results"] for seed, one in found.items()}
-    beside = found[seeds[0]].get("beside", {})  # of the same motions in all of them
+    beside = found[seeds[0]].get("beside", {})  # the motions are the same for all seeds
     best = {seed: max(one["results"], key=value) for seed, one in found.items()}
     steps = sorted({training_of(path)["steps"] for path in runs.values()})
     rows = [

@@ -142,18 +142,6 @@ def test_another_option_is_one_sentence(tmp_path, given, message):
         scene(given, policies=(run,))
 
 
-@pytest.mark.parametrize(
-    "command",
-    [["evaluate", "--policies"], ["simulate", "--out", "out", "--policy"], ["view", "--policy"]],
-)
-def test_every_command_asks_the_run(tmp_path, monkeypatch, capsys, command):
-    monkeypatch.chdir(tmp_path)
-    run = run_folder(tmp_path / "run")
-    said = fails(capsys, *command, run, "--gravity", "earth")
-    assert "trained with 'moon': leave --gravity out" in said
-    assert [path.name for path in tmp_path.iterdir()] == ["run"]
-
-
 def test_runs_of_different_options_are_not_compared(tmp_path):
     one, other = run_folder(tmp_path / "one"), run_folder(tmp_path / "other", gravity="mars")
     same = run_folder(tmp_path / "same", algo="sac", seed=7)
