@@ -86,7 +86,8 @@ def _run(arguments: Sequence[str]) -> None:
     elif name in ("-h", "--help", "help"):
         print(_help())
     elif name in PARTS and (not rest or rest[0] in ("-h", "--help")):
-        print(_help_of_parts(name))
+        lines = (f"  {part:15}{COMMANDS[f'{name} {part}']}" for part in PARTS[name])
+        print(f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines, sep="\n")
     else:
         _run_command(*command_of(arguments))
 
@@ -119,11 +120,6 @@ def _help() -> str:
         lines += ["", f"{title}:"]
         lines += [f"  {name:{width}}  {sentence}" for name, sentence in commands.items()]
     return "\n".join(lines)
-
-
-def _help_of_parts(name: str) -> str:
-    lines = (f"  {part:15}{COMMANDS[f'{name} {part}']}" for part in PARTS[name])
-    return "\n".join([f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines])
 
 
 def _run_command(name: str, arguments: Sequence[str]) -> None:

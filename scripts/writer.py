@@ -95,7 +95,9 @@ def conclude(report: Report, folder: RunFolder | None, json: bool = False) -> No
     for sentence in report.answer:
         say(sentence)
     if folder:
-        say(f"wrote {folder.path}: {PAGE} has everything, {_list(report)} the parts")
+        names = [RESULT, *report.columns]
+        names += [f"{one}.png" for one in (*report.plots, *report.pictures)]
+        say(f"wrote {folder.path}: {PAGE} has everything, {', '.join(names)} the parts")
 
 
 def write(report: Report, folder: RunFolder) -> None:
@@ -121,6 +123,8 @@ def page(report: Report, folder: RunFolder) -> str:
     template = environment.from_string(files(_HERE).joinpath("page.html").read_text("utf-8"))
     plain = {name: one for name, one in report.result.items() if not isinstance(one, dict | list)}
     settings = plain if report.settings is None else report.settings
+    versions = {"activesuit": __version__, "python": platform.python_version()}
+    versions |= {name: version(name) for name in PACKAGES}
     content = {
         "heading": report.heading,
         "lead": f"{report.about} · activesuit {__version__}",
@@ -130,7 +134,7 @@ def page(report: Report, folder: RunFolder) -> str:
         "pictures": {name: _source(one) for name, one in report.pictures.items()},
         "origin": [
             _table("Options", ["option", "value"], _flat(settings)),
-            _table("Versions", ["package", "version"], _versions()),
+            _table("Versions", ["package", "version"], [*map(list, versions.items())]),
             _table("Data files of the run", ["file", "SHA-256"], _hashes(folder)),
         ],
     }
@@ -142,12 +146,6 @@ def explained(header: Sequence[str]) -> str:
     """Returns the meanings of the columns of a table whose names alone are not clear."""
     names = [" ".join(name.split()) for name in header]
     return "; ".join(f"{name}: {MEANINGS[name]}" for name in names if name in MEANINGS)
-
-
-def _list(report: Report) -> str:
-    names = ["result.json", *report.columns, *(f"{one}.png" for one in report.plots)]
-    names += [f"{one}.png" for one in report.pictures]
-    return ", ".join(names)
 
 
 def _figure(plot: Plot) -> dict[str, Any]:
@@ -196,11 +194,6 @@ def _flat(settings: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
             text = json_module.dumps(json_module.loads(to_json(value)), ensure_ascii=False)
         rows.append([f"{prefix}{name}", text])
     return rows
-
-
-def _versions() -> list[list[str]]:
-    found = {"activesuit": __version__, "python": platform.python_version()}
-    return [*map(list, (found | {name: version(name) for name in PACKAGES}).items())]
 
 
 def _hashes(folder: RunFolder) -> list[list[str]]:

@@ -3,7 +3,7 @@
 import math
 import os
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
@@ -200,14 +200,17 @@ def policies(
     """
     from ...envs.evaluation import BOUNDS
     from ...envs.policies import POLICIES
+    from ...envs.policies.registry import PolicyKind
     from ...envs.policies.trained import shipped_policies
 
-    found = {one: _policy(one) for one in (*POLICIES, *shipped_policies())}
-    if name is not None and name not in found:
-        if not os.path.isdir(name):
-            raise unknown_name("policy", name, known_policies())
-        found[name] = _policy(name)
-    found = {one: about for one, about in found.items() if name in (None, one)}
+    names = [*POLICIES, *shipped_policies()]
+    if name is not None and name not in names and not os.path.isdir(name):
+        raise unknown_name("policy", name, known_policies())
+    found = {}
+    for one in names if name is None else [name]:
+        kind = PolicyKind.of(one)
+        needed = {"sensors": [*kind.needs["sensors"]], "options": [*kind.options]}
+        found[one] = {"does": kind.about, **needed}
     if json:
         print(to_json(found))
         return
@@ -221,11 +224,3 @@ def policies(
         "guard=true."
     )
     say(f"evaluate also takes the bounds {' and '.join(BOUNDS)}, which know the whole motion.")
-
-
-def _policy(name: str) -> dict[str, Any]:
-    from ...envs.policies.registry import PolicyKind
-
-    kind = PolicyKind.of(name)
-    sensors = list(kind.needs["sensors"])
-    return {"does": kind.about, "sensors": sensors, "options": list(kind.options)}

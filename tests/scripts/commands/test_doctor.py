@@ -125,13 +125,6 @@ def test_it_counts_what_it_compiles(capsys, monkeypatch):
         assert f"kernels: all are compiled, {count} of them now\n" in capsys.readouterr().out
 
 
-COMMANDS = (
-    "simulate --out s",
-    "evaluate --motions 8 --task ElbowFlexion --unadapted",
-    f"identify {curves_path('elbow')} --joint elbow_flexion",
-)
-
-
 @pytest.mark.slow
 def test_after_it_no_command_compiles_for_long(tmp_path):
     def run(*arguments):
@@ -143,5 +136,9 @@ def test_after_it_no_command_compiles_for_long(tmp_path):
 
     run("doctor", "--compile")
     assert "all are compiled, none of them now" in run("doctor", "--compile").stdout
-    for command in COMMANDS:
+    for command in (
+        "simulate --out s",
+        "evaluate --motions 8 --task ElbowFlexion --unadapted",
+        f"identify {curves_path('elbow')} --joint elbow_flexion",
+    ):
         assert "kernels" not in run(*command.split()).stderr
