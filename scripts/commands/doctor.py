@@ -102,9 +102,12 @@ def _version(requirement: Requirement) -> tuple[str | None, bool]:
 
 
 def _extra(extra: str, requirements: list[Requirement]) -> Check:
-    markers = [(one, one.marker) for one in requirements if one.marker]
-    parts = [one for one, marker in markers if marker.evaluate({"extra": extra})]
-    parts = [one for one in parts if not (one.marker and one.marker.evaluate({"extra": ""}))]
+    marked = [(one, one.marker) for one in requirements if one.marker]
+    parts = [
+        one
+        for one, marker in marked
+        if marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
+    ]
     missing = [one.name for one in parts if not _version(one)[1]]
     present = ", ".join(f"{one.name} {_version(one)[0]}" for one in parts)
     return Check(
