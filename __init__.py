@@ -1,7 +1,7 @@
-"""ActiveSuit: hysteretic spacesuit joints, an exoskeleton that cancels them, and the tools between.
+"""ActiveSuit: hysteretic spacesuit joints, and an exoskeleton that cancels their torque.
 
-Importing this package registers the environments `ActiveSuit/...` with Gymnasium; everything else
-loads when it is first imported.
+Importing this package registers the environments `ActiveSuit/...` with Gymnasium; the other parts
+load when they are imported.
 """
 
 import gymnasium

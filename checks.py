@@ -14,7 +14,7 @@ HIGHEST_SEED = 2**63 - 1
 
 
 def number(name: str, value: Any, unit: str = "") -> float:
-    """Returns `value` as a float; raises an InputError if it is not a finite number."""
+    """Returns `value` as a float; refuses values that are no finite numbers."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{name} is {shown(value)}: give a number{_in(unit)}")
     try:
@@ -27,7 +27,7 @@ def number(name: str, value: Any, unit: str = "") -> float:
 
 
 def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
-    """Returns `values` as floats; raises an InputError without values, or for one not finite."""
+    """Returns `values` as floats; refuses an empty series and values not finite."""
     try:
         array = np.asarray(values)
     except ValueError:
@@ -41,7 +41,7 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
 
 
 def at_least(name: str, value: int, least: int, most: int = MOST) -> None:
-    """Checks that a value is a whole number of at least `least`."""
+    """Checks that a value is a whole number from `least` to `most`."""
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise InputError(f"{name} is {shown(value)}: use a whole number of at least {least}")
     if value < least:
@@ -81,7 +81,7 @@ def flag(name: str, value: bool) -> None:
 
 
 def scales(**values: float) -> None:
-    """Checks that scale factors are finite and above 0; raises an InputError otherwise."""
+    """Checks that scale factors are finite and above 0."""
     for name, value in values.items():
         if not number(f"{name} scale", value) > 0:
             raise InputError(f"{name} scale is {value}: give a finite number above 0")

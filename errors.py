@@ -1,11 +1,11 @@
-"""The exception that a user's mistake raises, and the sentences it is made of."""
+"""The exception that a user's mistake raises, and the parts of its sentence."""
 
 import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 LONGEST = 300  # characters of a message
-LONGEST_VALUE = 80  # characters of a value in it
+LONGEST_VALUE = 80  # characters of a value in a message
 GAP = " ... "
 
 
@@ -13,12 +13,12 @@ class InputError(ValueError):
     """A value that the user gave cannot be used: a file, an argument, a parameter or an action.
 
     The message is one sentence that names the value, the allowed range and the fix. The command
-    line prints it without a traceback and exits with code 2. It is one line of at most 300
-    characters, without control characters. A longer message loses its middle, since its beginning
-    names what is wrong and its end gives the fix.
+    line prints the message without a traceback and exits with code 2. The message is one line of at
+    most 300 characters, without control characters. A longer message loses its middle, since the
+    beginning names the mistake and the end gives the fix.
 
-    Every public function raises it for an argument that it cannot use, before anything has changed
-    or been written. A docstring has a section "Raises" only where it says more than that.
+    Every public function raises this error for an argument that cannot be used, before anything has
+    changed or been written. A docstring has a section "Raises" only for further errors.
     """
 
     def __init__(self, message: object = "") -> None:
@@ -33,11 +33,11 @@ def unknown_name(
     Names in the middle are left out where the message would be too long.
 
     Args:
-        kind: What the name is of, for the message.
-        name: The name.
-        allowed: The names that there are.
-        elsewhere: Names in other places, as "place.name", up to three of which are the hint where
-            they are closer.
+        kind: Kind of the named thing, for the message ("suit").
+        name: The unknown name.
+        allowed: Known names.
+        elsewhere: Known names in other places, as "place.name"; the hint has up to three of them
+            where they are closer.
     """
     allowed = sorted(allowed)
     known = {path.rpartition(".")[2]: path for path in elsewhere} | {one: one for one in allowed}
@@ -84,12 +84,7 @@ def one_line(text: str) -> str:
 
 
 def refuse_old_names(given: Iterable[str], renamed: Mapping[str, str]) -> None:
-    """Refuses names of version 0.2.
-
-    Args:
-        given: Names of options, or of keys of a file.
-        renamed: The new name of each old one.
-    """
+    """Refuses names of version 0.2."""
     for name in given:
         if name in renamed:
             raise InputError(f"{name!r} was a name of version 0.2: write {renamed[name]!r} instead")

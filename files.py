@@ -1,6 +1,6 @@
-"""Writes files in one piece, over regular files only: a crash leaves the old one or the new one.
+"""Writes each file in one piece, so that a crash leaves either the old file or the new file.
 
-Until it is complete, a file has a scratch name, with which the end of a killed process leaves it.
+A file has a scratch name until it is complete; a killed process leaves that scratch file behind.
 """
 
 import os
@@ -20,9 +20,9 @@ def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str =
 
     Args:
         path: Path of the file.
-        what: What the file should be, as the error message calls it ("suit").
+        what: Kind of the file, for the error message ("suit").
         largest: Greatest number of bytes.
-        fix: What to do with a longer one, as the error message says it.
+        fix: Phrase for the error message that says what to do with a longer file.
     """
     try:
         with Path(path).open("rb") as file:
@@ -43,14 +43,15 @@ def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[P
     """Yields the path of a scratch file, which replaces `path` if the block succeeds.
 
     The new file gets the permissions of the one that it replaces. A link is never followed.
-
-    Args:
-        path: Path of the file to write.
-        force: True to replace a file that is there, False to refuse it.
     """
     path = Path(path)
     check_target(path, force=force)
-    scratch = _make_scratch(path)
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=SCRATCH, suffix=path.suffix)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    os.close(handle)
+    scratch = Path(name)
     try:
         yield scratch
         move(scratch, path, force=force)
@@ -76,12 +77,7 @@ def move(scratch: Path, path: Path, *, force: bool = True) -> None:
 
 
 def check_target(path: Path, *, force: bool = True) -> None:
-    """Checks that a file may be written: nothing is there, or a regular file that may be replaced.
-
-    Args:
-        path: Path of the file to write.
-        force: True if a regular file that is there may be replaced.
-    """
+    """Checks that a file may be written: nothing is there, or a file that may be replaced."""
     try:
         mode = path.lstat().st_mode
     except FileNotFoundError:
@@ -96,15 +92,6 @@ def check_target(path: Path, *, force: bool = True) -> None:
         raise InputError(f"{str(path)!r} is not a regular file: give another name")
     if not force:
         raise InputError(f"{str(path)!r} exists: give another name, or add --force to replace it")
-
-
-def _make_scratch(path: Path) -> Path:
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=SCRATCH, suffix=path.suffix)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    os.close(handle)
-    return Path(name)
 
 
 def _unwritable(path: Path, error: OSError) -> InputError:

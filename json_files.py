@@ -1,7 +1,8 @@
-"""Reads JSON files of users; any mistake in one is reported in one sentence."""
+"""Reads JSON files of users; any mistake in such a file is reported in one sentence."""
 
 import json
 import os
+from collections import Counter
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -10,8 +11,8 @@ from .errors import InputError, shown
 from .files import content_of
 
 LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
-DEEPEST = 50  # greatest depth of nested lists and objects; a suit file has 7
-MOST_DIGITS = 400  # most digits of a whole number; one with more than 309 is no float
+DEEPEST = 50  # greatest depth of nested lists and objects; a suit file has a depth of 7
+MOST_DIGITS = 400  # most digits of a whole number; a number of more than 309 digits is no float
 REMAKE = "restore or remake it"
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -19,10 +20,8 @@ Model = TypeVar("Model", bound=BaseModel)
 def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any:
     """Returns the content of a JSON file (UTF-8, with or without a byte order mark).
 
-    Args:
-        path: Path of the file.
-        what: What the file should be, as the error message calls it ("suit").
-        fix: What to do with a file that is no JSON, as the error message says it.
+    `what` names the file in the error sentence ("suit"), and `fix` says what to do with a file that
+    is no JSON.
     """
     content = content_of(path, what, LARGEST)
     try:
@@ -35,15 +34,7 @@ def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any
 
 
 def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = REMAKE) -> Model:
-    """Returns the content of a JSON file as a model of pydantic.
-
-    Args:
-        content: The content.
-        model: The model.
-        name: Name of the file.
-        what: What the file should be, as the error message calls it ("card of a policy").
-        fix: What to do with a wrong file, as the error message says it.
-    """
+    """Returns the content of a JSON file as a model of pydantic."""
     try:
         return model.model_validate(content)
     except ValidationError as error:
@@ -56,8 +47,23 @@ def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = 
 
 def parse_json(text: str, name: str, fix: str = REMAKE) -> Any:
     """Returns the content of JSON text; `name` begins the error messages, and `fix` ends them."""
+
+    def without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            twice = Counter(one for one, _ in pairs).most_common(1)[0][0]
+            raise InputError(f"{name} has {shown(twice)} twice in one object: remove one of them")
+        return found
+
+    def integer(digits: str) -> int:
+        if len(digits) > MOST_DIGITS:
+            raise InputError(
+                f"{name} has a number of {len(digits):,} digits: give at most {MOST_DIGITS}"
+            )
+        return int(digits)
+
     try:
-        content = json.loads(text, object_pairs_hook=_object, parse_int=_integer)
+        content = json.loads(text, object_pairs_hook=without_repeats, parse_int=integer)
         _check_depth(content)
     except json.JSONDecodeError as error:
         raise InputError(
@@ -67,28 +73,7 @@ def parse_json(text: str, name: str, fix: str = REMAKE) -> Any:
         raise InputError(
             f"{name} has more than {DEEPEST} lists or objects inside each other: {fix}"
         ) from None
-    except _WrongError as error:
-        raise InputError(f"{name} {error}") from None
     return content
-
-
-class _WrongError(Exception):
-    """The end of a sentence about a file that is JSON but cannot be used."""
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for name, value in pairs:
-        if name in found:
-            raise _WrongError(f"has {shown(name)} twice in one object: remove one of them")
-        found[name] = value
-    return found
-
-
-def _integer(digits: str) -> int:
-    if len(digits) > MOST_DIGITS:
-        raise _WrongError(f"has a number of {len(digits):,} digits: give at most {MOST_DIGITS}")
-    return int(digits)
 
 
 def _check_depth(content: Any) -> None:

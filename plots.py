@@ -1,4 +1,4 @@
-"""Figures as data: what a figure shows is said once, and drawn by matplotlib or by plotly.
+"""Figures as data: a figure is described once, and drawn by matplotlib or by plotly.
 
     from activesuit.plots import Line, Panel, Plot
 
@@ -37,9 +37,9 @@ FIXED = {
 }
 DASHES = {"solid": "-", "dash": "--", "dot": ":"}
 GOOD_TO_BAD = [[0, "#1a9850"], [0.5, "#fee08b"], [1, "#d73027"]]
-LARGEST = 1e12  # number that is drawn; matplotlib fails at some that are larger
-LEAST_HEIGHT = 0.1  # of an angle axis [rad], so that noise does not fill it
-DRAWN = 400, 2700  # greatest number of points of a line, and about that of a panel, on a page
+LARGEST = 1e12  # largest number that is drawn; matplotlib fails at some larger numbers
+LEAST_HEIGHT = 0.1  # of an angle axis [rad], so that noise does not fill the axis
+DRAWN = 400, 2700  # greatest numbers of points on a page: of a line, and about of a panel
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class Line:
     Attributes:
         x: Horizontal places, shape (samples,).
         y: Vertical places, shape (samples,).
-        name: Name in the legend; marks of the same name have the same color. "" for no entry.
-        points: Whether the samples are points that no line joins.
+        name: Name in the legend; marks of the same name have the same color. "" means no entry.
+        points: Whether to draw points in place of a line.
         width: Width of the line [points].
-        color: Color as CSS writes it; by default that of the name.
-        dash: "solid", "dash" or "dot"; by default that of the name.
+        color: Color of CSS; by default the color of the name.
+        dash: "solid", "dash" or "dot"; by default the dash of the name.
     """
 
     x: ArrayLike
@@ -119,9 +119,9 @@ class Panel:
         y: Title of the vertical axis, with the unit.
         marks: What is drawn, from the back to the front.
         title: Title above the panel.
-        levels: Heights of dotted horizontal lines, by what they mean.
-        logarithmic: Whether the vertical axis is.
-        least: Least difference of the ends of the vertical axis.
+        levels: Heights of dotted horizontal lines, by their meaning.
+        logarithmic: Whether the vertical axis is logarithmic.
+        least: Least length of the vertical axis.
         from_zero: Whether the vertical axis begins at 0.
     """
 
@@ -196,7 +196,7 @@ class Plot:
 
 
 def thinned(samples: int, most: int) -> NDArray[np.intp]:
-    """Returns indices of at most about `most` samples at equal distances, and of the last one."""
+    """Returns indices of about `most` samples at equal distances, and of the last sample."""
     return np.union1d(np.arange(0, samples, max(1, -(-samples // most))), [samples - 1])
 
 
@@ -211,16 +211,15 @@ def _draw(ax: "Axes", panel: Panel, styles: Mapping[str, tuple[str, str]]) -> No
         color, dash = _style(mark, styles)
         label = mark.name or None
         match mark:
-            case Line(points=True):
-                ax.plot(*_drawn(mark.x, mark.y), ".", ms=2.5, color=color, label=label)
             case Line():
-                style = {"color": color, "lw": mark.width, "label": label}
-                ax.plot(*_drawn(mark.x, mark.y), DASHES[dash], **style)
+                line = {"ls": DASHES[dash], "lw": mark.width}
+                style = {"marker": ".", "ls": "", "ms": 2.5} if mark.points else line
+                ax.plot(*_drawn(mark.x, mark.y), color=color, label=label, **style)
             case Band():
-                ends = _drawn(mark.x, mark.low, mark.high)
-                ax.fill_between(*ends, color=color, alpha=0.2, lw=0)
+                x, low, high = _drawn(mark.x, mark.low, mark.high)
+                ax.fill_between(x, low, high, color=color, alpha=0.2, lw=0)
             case Intervals():
-                value, low, high = (np.asarray(one) for one in (mark.value, mark.low, mark.high))
+                value, low, high = _drawn(mark.value, mark.low, mark.high)
                 ends = np.array([value - low, high - value])
                 ax.errorbar(value, list(mark.labels), xerr=ends, fmt="o", color=color, label=label)
                 ax.invert_yaxis()
@@ -246,7 +245,7 @@ def _draw(ax: "Axes", panel: Panel, styles: Mapping[str, tuple[str, str]]) -> No
 
 
 def _drawn(*series: ArrayLike) -> list[Array]:
-    """Returns numbers without those that matplotlib cannot draw, which are NaN."""
+    """Returns series as arrays, with NaN in place of numbers that matplotlib cannot draw."""
     every = (np.asarray(one, dtype=np.float64) for one in series)
     return [np.where(np.abs(one) < LARGEST, one, np.nan) for one in every]
 
@@ -270,7 +269,7 @@ def _traces(panel: Panel, styles: Mapping[str, tuple[str, str]]) -> Iterator[dic
         common = {"name": _text(mark.name), "meta": mark.name, "showlegend": False}
         match mark:
             case Line():
-                x, y = np.asarray(mark.x, float), np.asarray(mark.y, float)
+                x, y = _drawn(mark.x, mark.y)
                 kept = thinned(x.size, most)
                 drawn = (
                     {"mode": "markers", "marker": {"color": color, "size": 3.5}}
@@ -279,7 +278,7 @@ def _traces(panel: Panel, styles: Mapping[str, tuple[str, str]]) -> Iterator[dic
                 )
                 yield common | drawn | {"x": _numbers(x[kept]), "y": _numbers(y[kept])}
             case Band():
-                x, low, high = (np.asarray(one, float) for one in (mark.x, mark.low, mark.high))
+                x, low, high = _drawn(mark.x, mark.low, mark.high)
                 kept = thinned(x.size, most)
                 yield common | {
                     "x": _numbers(np.concatenate([x[kept], x[kept][::-1]])),
@@ -288,7 +287,7 @@ def _traces(panel: Panel, styles: Mapping[str, tuple[str, str]]) -> Iterator[dic
                     **{"line": {"width": 0}, "hoverinfo": "skip"},
                 }
             case Intervals():
-                value, low, high = (np.asarray(x, float) for x in (mark.value, mark.low, mark.high))
+                value, low, high = _drawn(mark.value, mark.low, mark.high)
                 ends = {"array": _numbers(high - value), "arrayminus": _numbers(value - low)}
                 yield common | {
                     **{"mode": "markers", "marker": {"color": color, "size": 9}},
@@ -338,10 +337,10 @@ def _layout(panel: Panel) -> dict[str, Any]:
 
 
 def _text(text: str) -> str:
-    """Returns a text as plotly shows it as it is: plotly reads some HTML in texts."""
+    """Returns a text that plotly shows unchanged: plotly reads some HTML in texts."""
     return escape(text, quote=False).replace("\n", "<br>")
 
 
 def _numbers(values: Array) -> list[float | None]:
-    """Returns numbers with five digits; None where one is not finite."""
+    """Returns numbers with five digits, and None in place of numbers that are not finite."""
     return [float(f"{one:.5g}") if np.isfinite(one) else None for one in values.tolist()]

@@ -1,6 +1,6 @@
-"""The numbers of both papers as printed, as far as the package uses them.
+"""Printed numbers of both papers that the package uses.
 
-Those that only the repeated experiments compare with are in `reproductions`.
+Numbers that only the repeated experiments use are in `reproductions`.
 
 Li et al. 2022: Z. Li et al., "Jiles-Atherton-based hysteresis identification of joint resistant
 torque in active spacesuit using SA-PSO algorithm", Int. J. Aerospace Eng. 7535450 (2022).

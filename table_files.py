@@ -1,9 +1,10 @@
-"""Tables as rigs, spreadsheets and programs write them: the dialect is found, rows are checked."""
+"""Reads tables of rigs, spreadsheets and programs: finds the dialect and checks the rows."""
 
 import csv
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,15 +29,15 @@ Lines = Sequence[tuple[int, str]]
 
 
 class Table(NamedTuple):
-    """A table of a file.
+    """A table in a file.
 
     Attributes:
         path: Path of the file.
         header: Names of the columns; "1", "2" and so on in a file without a header.
         units: Cells of a row of units below the header; empty without such a row.
         rows: Number of the line and cells of each row. Numbers have a decimal point.
-        dialect: What is unlike a comma-separated UTF-8 file that begins with its header, as
-            phrases.
+        dialect: Phrases about differences from a comma-separated UTF-8 file that begins with its
+            header.
     """
 
     path: Path
@@ -56,16 +57,16 @@ def read_table(
 ) -> Table:
     """Reads a table of cells that are separated by tabs, `;`, `|`, commas or spaces.
 
-    Lines before the header are left out, and below it empty lines and those that begin with `#` or
-    `%`. Rows are made one by one, since those of a million lines together take a gigabyte.
+    Lines before the header are left out, as are empty lines below the header and lines that begin
+    with `#` or `%`. Rows are made one by one, since a million rows together take a gigabyte.
 
     Args:
         path: Path of the file, for messages.
         content: Content of the file.
-        what: What it holds, for messages.
-        expected: Headers that are known, as a phrase for messages.
-        is_header: Function that knows the header by its cells; None if the file has none.
-        decimal: The decimal mark, "." or ","; by default the numbers show it.
+        what: Name of the content, for messages ("curves").
+        expected: Known headers, as a phrase for messages.
+        is_header: Function that recognizes the header by its cells; None for a file without header.
+        decimal: Decimal mark, "." or ","; by default the mark that the numbers show.
     """
     if decimal not in (None, ".", ","):
         raise InputError(f"decimal is {shown(decimal)}: give '.' or ','")
@@ -103,7 +104,7 @@ def number_in(text: str, column: str, path: Path, line: int) -> float:
 
 
 def next_time(time: float, before: Sequence[float], path: Path, line: int) -> float:
-    """Returns the time of a row [s]; raises an InputError if it is not after those before it."""
+    """Returns the time of a row [s]; raises an InputError unless time has passed since `before`."""
     if before and time <= before[-1]:
         raise InputError(
             f"{path}, line {line}: the time {time_goes_wrong(before[-1], time)}: put the samples "
@@ -113,7 +114,7 @@ def next_time(time: float, before: Sequence[float], path: Path, line: int) -> fl
 
 
 def joint_angle(angle: float, column: str, hint: str, path: Path, line: int) -> float:
-    """Returns an angle [rad]; raises an InputError with a hint if no joint turns that far."""
+    """Returns an angle [rad]; refuses, with a hint, an angle that no joint reaches."""
     if abs(angle) > RADIANS_AT_MOST:
         raise InputError(
             f"{path}, line {line}: {column} is {angle:.6g} rad, more than a full turn: {hint}"
@@ -145,14 +146,9 @@ def _header(
     path: Path, lines: Lines, is_header: Callable[[Cells], bool], expected: str
 ) -> tuple[int, str, Cells]:
     """Returns the index of the line below the header, the separator, and the header."""
-    for separator in SEPARATORS:
-        for at, (number, line) in enumerate(lines[:LONGEST_PREAMBLE]):
-            try:
-                cells = _cells(path, number, line.lstrip("#% "), separator)
-            except InputError:  # no header
-                continue
-            if is_header(cells):
-                return at + 1, separator, cells
+    for separator, at, cells in _first_rows(path, lines, "#% "):
+        if is_header(cells):
+            return at + 1, separator, cells
     if all(line.lstrip().startswith(COMMENT) for _, line in lines):
         raise InputError(f"{path} is empty: give a header {expected} and samples")
     at, separator, _ = _without_header(path, lines)
@@ -163,22 +159,25 @@ def _header(
 
 def _without_header(path: Path, lines: Lines) -> tuple[int, str, Cells]:
     """Returns the index of the first line of numbers, the separator, and numbers as header."""
-    for separator in SEPARATORS:
-        for at, (number, line) in enumerate(lines[:LONGEST_PREAMBLE]):
-            try:
-                cells = _cells(path, number, line, separator)
-            except InputError:  # text before the table
-                continue
-            if sum(NUMBER.fullmatch(cell) is not None for cell in cells) >= 2:
-                return at, separator, [str(i + 1) for i in range(len(cells))]
-    number, line = lines[0] if lines else (1, "")
+    for separator, at, cells in _first_rows(path, lines):
+        if sum(NUMBER.fullmatch(cell) is not None for cell in cells) >= 2:
+            return at, separator, [str(i + 1) for i in range(len(cells))]
+    first = lines[0][1].strip() if lines else ""
     raise InputError(
-        f"{path} has no line with two numbers, and begins with {shown(line.strip())}: give a table"
+        f"{path} has no line with two numbers, and begins with {shown(first)}: give a table"
     )
 
 
+def _first_rows(path: Path, lines: Lines, marks: str = "") -> Iterator[tuple[str, int, Cells]]:
+    """Yields separator, index and cells of the first lines, without marks before the cells."""
+    for separator in SEPARATORS:
+        for at, (number, line) in enumerate(lines[:LONGEST_PREAMBLE]):
+            with suppress(InputError):  # text before the table
+                yield separator, at, _cells(path, number, line.lstrip(marks), separator)
+
+
 def _cells(path: Path, number: int, line: str, separator: str) -> Cells:
-    """Returns the cells of a line; between spaces a unit in brackets belongs to the word before."""
+    """Returns the cells of a line; a unit in brackets behind a space belongs to the word before."""
     if separator == " ":
         return [word.replace("\0", " ") for word in re.sub(r"\s+(?=[\[(])", "\0", line).split()]
     try:
@@ -228,7 +227,7 @@ def _rows(
 
 
 def _with_point(cell: str, decimal: str, path: Path, line: int) -> str:
-    """Returns a number with a decimal point and without marks of thousands; other text as it is."""
+    """Returns a number with a decimal point, without marks of thousands; other text unchanged."""
     if not NUMBER.fullmatch(cell):
         return cell
     other = "." if decimal == "," else ","

@@ -1,4 +1,4 @@
-"""Text for a terminal: names from files cannot move its cursor or change its colors."""
+"""Safe text for a terminal: names from files cannot move the cursor or change colors."""
 
 import sys
 import unicodedata
@@ -11,7 +11,7 @@ MARKUP = "<>|[]`&\\"
 
 
 def visible(text: str) -> str:
-    """Returns `text` with its control characters, but for line breaks, as Python writes them."""
+    """Returns `text` with control characters, except for line breaks, as Python escapes them."""
     return "".join(
         char if char == "\n" or unicodedata.category(char) not in _HIDDEN else _escape(char)
         for char in text
@@ -19,7 +19,7 @@ def visible(text: str) -> str:
 
 
 def without_markup(text: str) -> str:
-    """Returns a text that Markdown and HTML show as it is, but for line breaks."""
+    """Returns a text that Markdown and HTML show unchanged, except for line breaks."""
     return "".join(f"&#{ord(char)};" if char in MARKUP else char for char in text)
 
 

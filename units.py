@@ -1,4 +1,4 @@
-"""Units in which rigs write angles, torques and times, and what they are in rad, N·m and s."""
+"""Units in which rigs write angles, torques and times, and their factors to rad, N·m and s."""
 
 import math
 import re
@@ -9,8 +9,8 @@ from .errors import InputError, shown
 POUND, KILOGRAM = 4.4482216152605, 9.80665  # forces [N], exact
 INCH, FOOT = 0.0254, 0.3048  # [m], exact
 
-# By quantity and unit: the factor to the first one, and other spellings. Case, blanks, brackets and
-# signs of products do not matter.
+# By quantity and unit: the factor to the first unit of the quantity, and other spellings. Case,
+# blanks, brackets and signs of products do not matter.
 UNITS: dict[str, dict[str, tuple[float, str]]] = {
     "angle": {
         "rad": (1.0, "radian radians"),
@@ -42,7 +42,7 @@ SCALED = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*([^\d/]+?)\
 
 
 class Unit(NamedTuple):
-    """A unit: its name, and the factor from it to rad, N·m or s."""
+    """A unit, with the factor that converts numbers to rad, N·m or s."""
 
     name: str
     factor: float
@@ -63,7 +63,7 @@ _KNOWN = {
 
 
 def is_unit(text: str, quantity: str | None = None) -> bool:
-    """Returns whether a text is a unit of a quantity, or of any."""
+    """Returns whether a text is a unit of a quantity; None stands for any quantity."""
     known = _KNOWN.values() if quantity is None else [_KNOWN[quantity]]
     return any(_plain(text) in units for units in known)
 
@@ -72,7 +72,8 @@ def unit_of(text: str, quantity: str) -> Unit:
     """Returns a unit of a quantity, which may be scaled, as "0.5 Nm/V" for a sensor in volts.
 
     Args:
-        text: The unit. A factor may stand before it, and what the column is in behind a slash.
+        text: The unit. A factor may stand before the unit, and behind a slash the unit of the
+            column.
         quantity: "angle", "torque" or "time".
     """
     match = SCALED.fullmatch(text.strip())

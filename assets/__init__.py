@@ -9,7 +9,7 @@ from .suits import AnySuit, Suit, load_suit, save_suit, suit_names
 FOLDER = Path(__file__).parent
 SCENE = FOLDER / "mjcf" / "scene.xml"
 
-# Name of the shipped curve file -> joint it was measured on.
+# Joint of each shipped file of curves, by the name of the file.
 CURVES = {"shoulder": "shoulder_flexion", "elbow": "elbow_flexion"}
 
 

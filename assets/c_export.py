@@ -1,4 +1,4 @@
-"""C99 header of a suit: its joints' models, and comments that say what they are."""
+"""C99 header of a suit: the models of its joints, with comments about each model."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,22 +18,22 @@ INTRODUCTION = (
     "Numbers are double, or float where ACTIVESUIT_FLOAT is defined before the header is included. "
     "Angles are in rad, torques in N m, times in s. Do not compile with -ffast-math."
 )
-"""The paragraph that every header has."""
+"""Paragraph at the beginning of every header."""
 STEP = (
     "A step returns the resistance to the motion: the suit's torque on the joint is its negative. "
-    "The step for an angle that is not finite returns NaN and changes nothing."
+    "A step to an angle that is not finite returns NaN and changes nothing."
 )
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a header, and the memory that it needs.
+    """A part of a header, and the memory that the part needs.
 
     Attributes:
         name: Name of the joint, or of the policy.
-        what: What it computes.
-        state: Numbers in its state, which is in RAM.
-        constants: Numbers in its constant tables, which may be in flash.
+        what: Names of the models that the part computes.
+        state: Count of the numbers in the state, which is in RAM.
+        constants: Count of the numbers in constant tables, which may be in flash.
     """
 
     name: str
@@ -53,7 +53,7 @@ def suit_header(
     *,
     allow_uncertified: bool = False,
 ) -> tuple[str, list[Part]]:
-    """Returns a C99 header with the resistance of joints, and the memory that each needs.
+    """Returns a C99 header with the resistance of joints, and the memory of each joint.
 
     Args:
         joints: Joints by name.
@@ -62,7 +62,6 @@ def suit_header(
         allow_uncertified: Whether to accept a model whose torque could become infinite.
 
     Raises:
-        InputError: A model has no C code.
         UncertifiedModelError: A model has no certificate, and `allow_uncertified` is False.
     """
     header, parts = Header(prefix), []
@@ -84,7 +83,7 @@ def suit_header(
 
 
 def kind_of(model: HysteresisModel) -> str:
-    """Returns the names of a model and of those inside it, as in "clipped bouc-wen"."""
+    """Returns the name of a model and of the models inside it, as in "clipped bouc-wen"."""
     inner = getattr(model, "model", None)
     return f"{model.name} {kind_of(inner)}" if inner is not None else model.name
 

@@ -1,4 +1,4 @@
-"""One joint of a suit: its hysteresis model, and where the numbers come from."""
+"""One joint of a suit: its hysteresis model, and the source of the numbers."""
 
 import math
 from collections.abc import Sequence
@@ -23,6 +23,7 @@ from ..checks import number
 from ..errors import LONGEST_VALUE, InputError, shortened, shown
 from ..hysteresis import HysteresisModel, State, SteadyCycle, model_from_dict, steady_cycle
 from ..hysteresis.around import Backlash, Viscoelastic, sprung, without_rate
+from ..hysteresis.certificate import ALL_ANGLES
 from ..hysteresis.protocol import finite_series, follow
 
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
@@ -55,12 +56,13 @@ class FittedModel(Protocol):
 
     Attributes:
         model: The identified model.
-        method: Name of the method that found it.
-        initial_torque: Torque with which all curves begin [N·m]; or "measured", each with its own.
+        method: Name of the method of identification.
+        initial_torque: Torque with which all curves begin [N·m]; "measured" means that each curve
+            begins with its own first torque.
         nrmse: Error on the fitted curves over their largest torque.
-        curves: The measured `Curves`, also those that were kept out of the fit.
-        softening: How the torque changes over cycles, with `first`, `steady` and `cycles`; None if
-            that was not fitted.
+        curves: The measured `Curves`, with the curves that were kept out of the fit.
+        softening: Change of the torque over cycles, with `first`, `steady` and `cycles`; None if
+            the change was not fitted.
     """
 
     @property
@@ -84,14 +86,14 @@ class Strict(BaseModel):
 
 
 class Softening(Strict):
-    """How the torque of a joint changes over its cycles of motion, relative to its model's.
+    """Change of the torque of a joint over cycles of motion, relative to the torque of its model.
 
-    After n cycles the torque is steady + (first - steady) exp(-n / cycles) times that of the model:
-    it settles like fabric and bladders that wear in (softening, first > steady) or creep (drift).
+    After n cycles the torque is steady + (first - steady) exp(-n / cycles) times the torque of the
+    model. Fabric and bladders that wear in soften (first > steady); creep is a drift.
 
     Attributes:
-        first: Torque of the first cycle over that of the model, above 0 and at most 10.
-        steady: Torque after many cycles over that of the model, above 0 and at most 10.
+        first: Torque of the first cycle over the model's torque, above 0 and at most 10.
+        steady: Torque after many cycles over the model's torque, above 0 and at most 10.
         cycles: Number of cycles in which the difference falls to 1/e, > 0.
     """
 
@@ -109,7 +111,7 @@ class Softening(Strict):
         return self
 
     def factor(self, cycles: float) -> float:
-        """Returns the torque after some cycles, which may be infinite, over that of the model."""
+        """Returns the torque after a number of cycles (also `inf`) over the torque of the model."""
         return self.steady + (self.first - self.steady) * math.exp(-cycles / self.cycles)
 
 
@@ -118,19 +120,20 @@ class SuitJoint(Strict):
 
     Attributes:
         model: Any hysteresis model; the file holds its `to_dict`.
-        samples: Other models that the data allow too, to randomize with.
-        left_open: What the data leave open and no sample has, as phrases.
+        samples: Other models that the data allow too, for randomization.
+        left_open: Phrases about effects that the data do not determine and the samples lack.
         range: Lowest and highest angle [rad] at which the model was identified or may be used.
         start_angle: Angle at which the memory of the joint begins [rad].
         start_torque: Resistance at that angle [N·m].
-        start_path: Angles that the memory then goes through, in a monotone motion each [rad]; it
-            ends at the last of them. Without any, the joint begins on the virgin curve.
+        start_path: Turning angles of the motion before the start [rad]; the memory is then at the
+            last angle. Without a path, the joint begins on the virgin curve.
         volume_share: Share of the joint's elastic torque that the displaced gas causes, 0 to 1;
             this share alone changes with the pressure, and `source` gives its evidence. None means
             unknown: the whole torque is then assumed, without a measurement, to be proportional to
             the pressure.
-        softening: Change of the torque over the cycles of motion; None if there is none, or if it
-            is not known. A suit begins with its first cycle, a preconditioned one after many.
+        softening: Change of the torque over the cycles of motion; None if the torque does not
+            change, or if the change is not known. A suit begins with its first cycle, a
+            preconditioned suit after many cycles.
         grade: Grade of the numbers: published (printed in a paper), identified (fitted to curves)
             or assumed.
         source: Source of the numbers, in words.
@@ -172,18 +175,13 @@ class SuitJoint(Strict):
         samples: Sequence[HysteresisModel] = (),
         left_open: Sequence[str] = (),
     ) -> "SuitJoint":
-        """Returns the joint of a fit, whose source is the curves of the fit.
-
-        The memory of the joint begins where the curves begin, and the joint has their range.
+        """Returns the joint of a fit, with the start, the range and the source of the curves.
 
         Args:
             fit: Result of `activesuit.identification.identify`.
             note: Sentence that is added to the source.
             samples: Other models that the curves allow too, as `uncertainty` draws them.
-            left_open: What the curves leave open and no sample has, as phrases.
-
-        Raises:
-            InputError: `fit` is no fit, or a sample is less safe than the model.
+            left_open: Phrases about effects that the curves do not determine and the samples lack.
         """
         if not isinstance(fit, FittedModel):
             raise InputError(f"fit is {shown(fit)}: give the fit of identify")
@@ -233,7 +231,7 @@ class SuitJoint(Strict):
     @model_validator(mode="after")
     def _models_are_possible(self) -> "SuitJoint":
         for i, sample in enumerate(self.samples):
-            if _is_safe(self.model) and not _is_safe(sample):
+            if is_safe(self.model) and not is_safe(sample):
                 raise ValueError(
                     f"samples[{i}] has certificate margin {sample.certificate().margin:.3g}, but "
                     "the model itself is certified: remove that sample"
@@ -259,19 +257,18 @@ class SuitJoint(Strict):
     def response(
         self, angle: ArrayLike, model: HysteresisModel | None = None, time: ArrayLike | None = None
     ) -> Array:
-        """Computes the resistance along angles, which the memory follows from its beginning.
+        """Computes the resistance along a motion that continues from the start of the memory.
 
         Args:
             angle: Joint angles [rad], shape (n,).
             model: One of `samples`; by default the joint's own model.
-            time: Time of each angle [s], shape (n,), for a viscoelastic model; without it, the
-                motion is infinitely slow, as is always the path to its beginning.
+            time: Time of each angle [s], shape (n,), for a viscoelastic model. Without times the
+                motion is infinitely slow; the motion up to the start is always infinitely slow.
 
         Returns:
             Resistance [N·m], shape (n,).
 
         Raises:
-            InputError: `angle` is not one finite series, or the times do not ascend.
             PoleError: The motion meets the pole of an uncertified model.
         """
         before = (self.start_angle, *self.start_path)
@@ -283,7 +280,7 @@ class SuitJoint(Strict):
         return torque + model.rate_torque(angle, time)
 
     def steady_cycle(self, model: HysteresisModel | None = None) -> SteadyCycle:
-        """Returns the cycle over the joint's range that repeats itself.
+        """Returns the steady cycle over the joint's range, which repeats itself.
 
         Args:
             model: One of `samples`; by default the joint's own model.
@@ -298,12 +295,9 @@ class SuitJoint(Strict):
     def preconditioned(self) -> "SuitJoint":
         """Returns the joint whose memory begins in the steady cycle over its range.
 
-        From its start the memory goes through as many cycles as the model and all samples need
-        to become steady, and then from the lower end up to the start angle.
-
-        Raises:
-            InputError: The cycles do not become steady.
-            PoleError: The motion meets the pole of an uncertified model.
+        From the start the motion makes as many cycles as the model and all samples need to become
+        steady, and then goes from the lower end up to the start angle. Errors are as in
+        `steady_cycle`.
         """
         models = (self.model, *self.samples)
         cycles = max(self.steady_cycle(model).cycles for model in models)
@@ -311,13 +305,12 @@ class SuitJoint(Strict):
         return self.model_copy(update={"start_path": path})
 
     def after(self, cycles: float) -> "SuitJoint":
-        """Returns the joint with the torque that it has after some cycles of motion.
+        """Returns the joint as after a number of cycles of motion, with its certificate unchanged.
 
-        Scaling the model keeps its certificate. Cycles count from the new joint, so that
-        `after(10).after(20)` is the same joint as `after(20)`.
+        Cycles count from the new joint, so that `after(10).after(20)` is the same as `after(20)`.
 
         Args:
-            cycles: Number of cycles since the joint was new, 0 or more; it may be infinite.
+            cycles: Number of cycles since the joint was new, 0 or more, also infinite.
         """
         if not isinstance(cycles, int | float) or not cycles >= 0:
             raise InputError(f"cycles is {cycles}: give a number of cycles, 0 or more")
@@ -339,15 +332,11 @@ class SuitJoint(Strict):
     def at_pressure_ratio(self, ratio: float) -> "SuitJoint":
         """Returns the joint at `ratio` times the pressure at which its torque was measured.
 
-        Without a volume share the whole torque is proportional to the pressure, friction included.
-        With one, the torque of the gas is added: (ratio - 1) times the share of the straight line
-        through the middle of the steady cycle. It is conservative, so the loop keeps its width,
-        its certificate and its dissipated energy. Samples get the line of the model.
-
-        Raises:
-            InputError: `ratio` is not finite, or negative, or 0 without a volume share; or the
-                cycles do not become steady.
-            PoleError: The cycle meets the pole of an uncertified model.
+        Without a volume share the whole torque is proportional to the pressure, friction included,
+        and the ratio must be above 0. With a volume share the torque of the gas is added: (ratio -
+        1) times that share of the straight line through the middle of the steady cycle. The added
+        torque is conservative, so the loop keeps its width, certificate and dissipated energy.
+        Samples get the line of the model. Errors are as in `steady_cycle`.
         """
         if self.volume_share is None:
             return self.scaled(torque=ratio)
@@ -400,6 +389,7 @@ def first_problem(error: ValidationError) -> str:
     )
 
 
-def _is_safe(model: HysteresisModel) -> bool:
-    certificate = model.certificate()
+def is_safe(model: HysteresisModel, angle_range: tuple[float, float] = ALL_ANGLES) -> bool:
+    """Returns whether a model is certified and dissipative at the angles of a range [rad]."""
+    certificate = model.certificate(angle_range)
     return certificate.certified and certificate.dissipative

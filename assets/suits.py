@@ -1,4 +1,4 @@
-"""A suit: a hysteresis model for each joint that it resists, its pressure, and its file (JSON)."""
+"""A suit: hysteresis models by joint, the operating pressure, and the suit file (JSON)."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -25,12 +25,12 @@ class Suit(Strict):
     Attributes:
         schema_version: Version of the file format.
         name: Name of the suit.
-        description: Description of the suit, and of how far its numbers can be trusted.
-        label: Origin of the numbers: "from paper" (they come from published ones), "illustrative"
-            (they have a plausible size, but belong to no real suit) or "extrapolated" (they belong
-            to another pressure); None for your own suits.
+        description: Description of the suit, and of the quality of its numbers.
+        label: Origin of the numbers: "from paper" (published numbers), "illustrative" (numbers of
+            a plausible size that belong to no real suit) or "extrapolated" (numbers of another
+            pressure); None for your own suits.
         pressure_kpa: Operating pressure at which the torques were measured [kPa], above 0 and at
-            most 110; None if it is not known.
+            most 110; None if the pressure is not known.
         joints: Resistance of each joint, by the name of the joint.
     """
 
@@ -69,14 +69,11 @@ class Suit(Strict):
             fits: Results of `activesuit.identification.identify`, by joint.
             name: Name of the suit.
             description: Description of the suit; by default the methods and the fitted curves.
-            base: Other suit, whose joints are taken over where there is no fit; by default these
-                joints move freely.
+            base: Suit that gives the joints without a fit; by default these joints move freely.
             note: Sentence that is added to the source of each fitted joint.
-            samples: Other models that the curves allow too, by joint, to randomize with.
-            left_open: What the curves leave open and no sample has, by joint, as phrases.
-
-        Raises:
-            InputError: There is no fit, a joint is unknown, or a sample has no fit or is less safe.
+            samples: Other models that the curves allow too, by joint, for randomization.
+            left_open: Phrases about effects that the curves do not determine and the samples lack,
+                by joint.
         """
         if not isinstance(fits, Mapping) or not fits:
             raise InputError(
@@ -119,16 +116,14 @@ class Suit(Strict):
         """Returns the suit at another operating pressure.
 
         Bending displaces gas, which makes most of the torque of a pressurized elbow (volume effect:
-        Holschuh 2010, MIT). A joint with a `volume_share` changes by that share of its elastic
-        torque, which dissipates nothing; the rest at 0 kPa is structure. Without one, its whole
-        torque is proportional to the pressure, friction included, which is an assumption.
+        Holschuh 2010, MIT). In a joint with a `volume_share` that share of the elastic torque
+        changes, which dissipates nothing; the torque that remains at 0 kPa is of the structure.
+        Without a `volume_share` the whole torque is assumed to be proportional to the pressure,
+        friction included.
 
         Args:
             pressure: Operating pressure [kPa], 0 to 110; at 0 joints without a `volume_share` do
                 not resist.
-
-        Raises:
-            InputError: The pressure is out of its range, or `pressure_kpa` is not known.
         """
         if not 0 <= pressure <= HIGHEST_PRESSURE:
             raise InputError(f"pressure is {pressure:g} kPa: give 0 to {HIGHEST_PRESSURE:g} kPa")
@@ -158,19 +153,15 @@ class Suit(Strict):
         )
 
     def after(self, cycles: float) -> "Suit":
-        """Returns the suit with the torque that it has after some cycles of motion."""
+        """Returns the suit as after a number of cycles of motion; see `SuitJoint.after`."""
         joints = {joint: entry.after(cycles) for joint, entry in self.joints.items()}
         return self.model_copy(update={"joints": joints})
 
     def preconditioned(self) -> "Suit":
         """Returns the suit in which the memory of every joint begins in its steady cycle.
 
-        A new suit resists its first loading less than all later ones; see
+        A new suit resists its first loading less than all later loadings; see
         `SuitJoint.preconditioned`.
-
-        Raises:
-            InputError: The cycles of a joint do not become steady.
-            PoleError: They meet the pole of an uncertified model.
         """
         joints = {joint: entry.preconditioned() for joint, entry in self.joints.items()}
         return self.model_copy(update={"joints": joints})
@@ -185,14 +176,11 @@ def suit_names() -> list[str]:
 
 
 def load_suit(suit: AnySuit) -> Suit:
-    """Reads a shipped suit by its name, or any suit from a JSON file; or takes one as an object.
+    """Returns a shipped suit by its name, a suit from a JSON file, or a suit from objects.
 
     Args:
-        suit: Name of a shipped suit or path of a file; or a `Suit`, which is returned as it is; or
+        suit: Name of a shipped suit or path of a file; or a `Suit`, which is returned unchanged; or
             `SuitJoint`s by the name of their joint; or the content of a suit file as a dict.
-
-    Raises:
-        InputError: There is no such suit or file, or its content is no valid suit.
     """
     if isinstance(suit, Suit):
         return suit

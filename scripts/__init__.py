@@ -1,4 +1,4 @@
-"""The command line `activesuit`. A library user needs nothing of it."""
+"""The command line `activesuit`; the library does not need this package."""
 
 import ctypes
 import os
@@ -6,7 +6,7 @@ import sys
 
 
 def _render_without_display() -> None:
-    """Lets MuJoCo render by EGL on a machine without a display; it reads this when imported."""
+    """Lets MuJoCo render by EGL on a machine without a display; MuJoCo reads this when imported."""
     if sys.platform != "linux" or {"MUJOCO_GL", "DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
         return
     try:

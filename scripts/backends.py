@@ -6,7 +6,7 @@ import os
 import secrets
 import signal
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from multiprocessing import resource_tracker
 from typing import Any, Literal, TypeVar, cast
 
@@ -22,11 +22,11 @@ LIBRARIES = {"dask": ("distributed",), "ray": ("ray", "ray.util.joblib")}
 
 
 def check_backend(backend: Backend, workers: int) -> None:
-    """Checks, before any work is done, that `run_all` can use a backend."""
+    """Checks that `run_all` can use a backend; call this before any work begins."""
     check_workers(workers)
     if backend == "ray" and not os.environ.get("RAY_ADDRESS"):
-        # The ports of a cluster of our own are open to the network, and whoever connects may run
-        # code, so that it asks for a token. Ray reads these variables when it is imported.
+        # The ports of our own cluster are open to the network, and whoever connects may run code,
+        # so the cluster asks for a token. Ray reads these variables when it is imported.
         os.environ.setdefault("RAY_AUTH_MODE", "token")
         os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
     try:
@@ -42,45 +42,30 @@ def check_backend(backend: Backend, workers: int) -> None:
 def run_all(
     work: Callable[..., Result], arguments: Iterable[tuple], backend: Backend, workers: int
 ) -> Iterator[Result]:
-    """Calls `work` with each tuple of arguments in parallel; yields each result as it is ready.
+    """Calls `work` with each tuple of arguments in parallel; yields each result when it is ready.
 
-    `ray` and `dask` use the cluster that RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names, and
-    otherwise start a cluster of `workers` processes on this machine.
-
-    Args:
-        work: Function to call; it can be pickled.
-        arguments: Tuples of arguments, one for each call.
-        backend: Name of the backend.
-        workers: Number of calls at the same time; -1 uses all cores, or the whole cluster.
+    `ray` and `dask` use the cluster that RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names; without that
+    variable they start a cluster of `workers` processes on this machine.
     """
     check_backend(backend, workers)
     pending = list(arguments)
     if not pending:
         return
+    started = {"dask": _dask, "ray": _ray}.get(backend, nullcontext)
     with (
-        _backend(backend, workers),
+        started(joblib.cpu_count() if workers < 0 else workers),
+        joblib.parallel_config(backend),
         Parallel(
             n_jobs=workers,
-            batch_size=1,  # type: ignore[arg-type]  # so that none waits for another
+            batch_size=1,  # type: ignore[arg-type]  # so that no call waits for another
             return_as="list" if backend == "ray" else "generator_unordered",
         ) as parallel,
     ):
-        # Ray's backend cannot hand out results one by one, so it gets one round after another.
+        # Ray's backend cannot hand out results one by one, so it gets the calls in rounds.
         together = joblib.effective_n_jobs(workers) if backend == "ray" else len(pending)
         for first in range(0, len(pending), together):
             calls = (delayed(work)(*call) for call in pending[first : first + together])
             yield from cast(Iterable[Result], parallel(calls))
-
-
-@contextmanager
-def _backend(name: Backend, workers: int) -> Iterator[None]:
-    start = {"dask": _dask, "ray": _ray}.get(name)
-    if start is None:
-        with joblib.parallel_config(backend=name):
-            yield
-    else:
-        with start(joblib.cpu_count() if workers < 0 else workers), joblib.parallel_config(name):
-            yield
 
 
 @contextmanager
@@ -95,7 +80,7 @@ def _dask(workers: int) -> Iterator[None]:
             cluster = distributed.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
-                dashboard_address="127.0.0.1:0",  # else port 8787, and a warning if it is taken
+                dashboard_address="127.0.0.1:0",  # otherwise Dask warns if port 8787 is in use
             )
             started.enter_context(cluster)
             started.enter_context(distributed.Client(cluster))
@@ -104,8 +89,8 @@ def _dask(workers: int) -> Iterator[None]:
 
 @contextmanager
 def _ctrl_c_waiting() -> Iterator[None]:
-    """Delays Ctrl-C until the end of the block, and keeps it from processes that start there."""
-    resource_tracker.ensure_running()  # would let Ctrl-C through again if it began in the block
+    """Delays Ctrl-C until the end of the block, also in processes that start in the block."""
+    resource_tracker.ensure_running()  # a tracker that starts in the block would unblock Ctrl-C
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -122,7 +107,7 @@ def _ray(workers: int) -> Iterator[None]:
     if started and os.environ.get("RAY_ADDRESS"):
         ray.init(**quiet)
     elif started:
-        # A cluster of our own tells nobody that it ran.
+        # Our own cluster sends no statistics of usage to Ray.
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         ray.init("local", num_cpus=workers, include_dashboard=False, **quiet)
     ray_joblib.register_ray()

@@ -1,4 +1,4 @@
-"""Compiles all kernels once, so that no later use has to."""
+"""Compiles all kernels once, so that no later use waits for a compilation."""
 
 import inspect
 import os
@@ -18,8 +18,8 @@ from ..identification import Certified, Curve, fit_curves
 from ..identification.fits.registry import FITS, fit_model
 
 ENV = "ActiveSuit/ArmTracking-v0"
-RANGE = np.array([0.5, 1.5])  # rad, of the record to which all models are fitted
-BUDGET = 100  # evaluations of each fit, which need not be good
+RANGE = np.array([0.5, 1.5])  # [rad], of the record for all fits
+BUDGET = 100  # evaluations of each fit, whose quality does not matter
 
 
 def compile_kernels() -> int:
@@ -38,7 +38,7 @@ def _plugins() -> None:
 
 
 def _arms() -> None:
-    """One arm, and rows of arms in each task, on cuffs, and with all that may go wrong."""
+    """Runs one arm, and rows of arms in each task, on cuffs, and with all faults."""
     env, _ = make_env(ENV)
     env.reset(seed=0)
     env.step(env.action_space.sample())
@@ -56,7 +56,7 @@ def _move(env: str, **options: Any) -> None:
 
 
 def _models() -> None:
-    """A model of each kind from its own fit, and all that can be asked of it."""
+    """Fits a model of each kind, and calls all functions of the model."""
     curve = _record()
     for name, fit in FITS.items():
         options: dict[str, Any] = (
@@ -84,7 +84,7 @@ def _fit() -> None:
 
 
 def _record() -> Curve:
-    """A record of two cycles with one loop inside."""
+    """Returns a record of two cycles with one loop inside."""
     turns = [*RANGE, 0.9, 1.3, RANGE[0], RANGE[1], RANGE[0]]
     angle = np.concatenate([np.linspace(*way, 12)[:-1] for way in pairwise(turns)])
     torque = 5 * angle + np.sign(np.gradient(angle))

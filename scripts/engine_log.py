@@ -14,10 +14,10 @@ _TIME = re.compile(r"\s*Time = \S+$")
 
 @contextmanager
 def engine_warnings() -> Iterator[None]:
-    """Keeps MuJoCo's warnings in the block, and prints each kind of them once on stderr at its end.
+    """Collects MuJoCo's warnings in the block, and prints each kind once on stderr at the end.
 
-    Without this, MuJoCo appends every one of them to MUJOCO_LOG.TXT in the working folder. Nothing
-    happens if MuJoCo has not been imported.
+    By default MuJoCo appends each warning to MUJOCO_LOG.TXT in the working folder. Nothing happens
+    if MuJoCo has not been imported.
     """
     mujoco = sys.modules.get("mujoco")
     if mujoco is None:
@@ -25,16 +25,12 @@ def engine_warnings() -> Iterator[None]:
         return
     kept: deque[str] = deque(maxlen=MOST)
     before = mujoco.get_mju_user_warning()
-    # Not a function in Python: Ctrl-C would be raised in it, inside MuJoCo, and end the process.
+    # No Python function: Ctrl-C inside a Python function that MuJoCo calls would end the process.
     mujoco.set_mju_user_warning(kept.append)
     try:
         yield
     finally:
         mujoco.set_mju_user_warning(before)
-        _tell(kept)
-
-
-def _tell(warnings: deque[str]) -> None:
-    for text, times in Counter(_TIME.sub("", text) for text in warnings).items():
-        often = f" ({times} times)" if times > 1 else ""
-        say(f"activesuit: warning of MuJoCo{often}: {text}", file=sys.stderr)
+        for text, times in Counter(_TIME.sub("", text) for text in kept).items():
+            often = f" ({times} times)" if times > 1 else ""
+            say(f"activesuit: warning of MuJoCo{often}: {text}", file=sys.stderr)

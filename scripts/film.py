@@ -17,11 +17,11 @@ from .output import progress
 
 Picture = NDArray[np.uint8]
 PERIOD = 0.04  # [s], from one picture to the next
-PANEL = 5 / 12  # share of the width
+PANEL = 5 / 12  # share of the width of the film
 
 
 def episode(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[tuple[Any, bool]]:
-    """Yields what is measured, and whether the arm is lost, after the reset and each step."""
+    """Yields the info, and whether the arm is lost, after the reset and after each step."""
     observation, info = env.reset(seed=seed)
     policy.reset()
     ended = lost = False
@@ -35,15 +35,7 @@ def episode(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[tuple[Any
 def filmed(
     made: gymnasium.Env, env: ArmEnv, policy: Policy, seed: int, panel: int
 ) -> tuple[list[Picture], float]:
-    """Films an episode; returns the pictures, and the time from one to the next [s].
-
-    Args:
-        made: The environment, which renders arrays.
-        env: The same without wrappers.
-        policy: Policy that moves the motors.
-        seed: Seed of the episode.
-        panel: Width of the loops [pixels].
-    """
+    """Films an episode; returns the pictures, and the time between two pictures [s]."""
     stride = max(1, round(PERIOD / env.control_dt))
     frames, series = [], []
     with progress("pictures", round(env.duration / env.control_dt) // stride + 1) as bar:
@@ -52,7 +44,7 @@ def filmed(
                 now = info["angle"], -info["suit_torque"], info["human_torque"]
                 series.append(np.array(now))
             if env.renderer.beside is not None:
-                env.renderer.beside()  # which wants to see every control period
+                env.renderer.beside()  # a drawing follows every control period
             if step % stride == 0:
                 frames.append(np.asarray(made.render()))
                 bar.advance()
@@ -67,7 +59,7 @@ def filmed(
 
 
 def film_writer(path: Path) -> Callable[[Path, Sequence[Picture], float], None]:
-    """Returns the function that writes pictures and the time between them [s] into such a file."""
+    """Returns the function that writes pictures, with the time between them [s], into a film."""
     if path.suffix not in FILMS:
         raise InputError(f"film is {shown(str(path))}: use a name that ends with .gif or .mp4")
     if path.suffix == ".mp4":
@@ -84,7 +76,7 @@ def _write_gif(path: Path, frames: Sequence[Picture], period: float) -> None:
     from PIL import Image  # matplotlib's own dependency
 
     some = Image.fromarray(np.vstack(frames[:: max(1, len(frames) // 6)]))
-    # Some colors for smooth large areas, the others for small ones that stand out.
+    # 64 colors for large smooth areas, and 192 for small areas that stand out.
     large = some.quantize(64, Image.Quantize.MEDIANCUT, kmeans=1)
     small = some.quantize(192, Image.Quantize.MAXCOVERAGE, kmeans=1)
     palette = Image.new("P", (1, 1))

@@ -1,7 +1,8 @@
-"""Run folders: where a command writes its results, each file in one piece.
+"""Run folders: a command writes its results into a folder, each file in one piece.
 
-A command writes into a new or an empty folder, or with `--force` into any. A command that goes on
-where it was stopped may find its own folder again. While a command runs, no other one writes there.
+A command writes into a new or an empty folder, and with `--force` into any folder. A command that
+resumes an earlier run writes into the folder of that run. While a command runs, no other command
+writes into its folder.
 """
 
 import csv
@@ -10,8 +11,9 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, suppress
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,12 +32,9 @@ class RunFolder:
     """A folder of results; every file in it is written in one piece.
 
     Args:
-        path: Path of the folder, which is made if it does not exist.
+        path: Path of the folder, which is made if it does not exist; also an attribute.
         force: Whether to write into a folder that is not empty, and over its files.
-        resumes: Whether the folder holds what the command has begun and goes on with.
-
-    Attributes:
-        path: Path of the folder.
+        resumes: Whether the command resumes an earlier run in the folder.
 
     Raises:
         InputError: The folder cannot be created or written, is not empty, or another process
@@ -69,15 +68,13 @@ class RunFolder:
     @classmethod
     def of(cls, out: Path | None, command: str, *, force: bool = False) -> "RunFolder":
         """Returns the given folder, by default a new one: runs/COMMAND, runs/COMMAND-2, ..."""
-        number = 1
-        while out is None:
-            path = Path("runs", command if number == 1 else f"{command}-{number}")
-            out = path if not (path.is_dir() and any(path.iterdir())) else None
-            number += 1
-        return cls(out, force=force)
+        names = (command if number == 1 else f"{command}-{number}" for number in count(1))
+        paths = (Path("runs", name) for name in names)
+        unused = (path for path in paths if not (path.is_dir() and any(path.iterdir())))
+        return cls(out or next(unused), force=force)
 
     def close(self) -> None:
-        """Lets other processes write into the folder; removes it if it is new and still empty."""
+        """Lets other processes write into the folder; removes a new folder that is still empty."""
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
@@ -89,7 +86,7 @@ class RunFolder:
         return self.path / name
 
     def subfolder(self, name: str) -> Path:
-        """Makes a folder in this one, unless it is there; returns its path."""
+        """Makes a folder inside this folder, unless it exists; returns its path."""
         path = self.path / name
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: remove it, or choose another --out")
@@ -102,15 +99,13 @@ class RunFolder:
         return path
 
     def remove(self, name: str) -> None:
-        """Removes a file, if it is there."""
+        """Removes a file, if the file exists."""
         check_target(self.path / name)
         (self.path / name).unlink(missing_ok=True)
 
-    @contextmanager
-    def replacing(self, name: str) -> Iterator[Path]:
+    def replacing(self, name: str) -> AbstractContextManager[Path]:
         """Yields the path of a scratch file, which becomes `name` if the block succeeds."""
-        with replacing(self.path / name) as scratch:
-            yield scratch
+        return replacing(self.path / name)
 
     def json(self, name: str, content: Any) -> None:
         """Writes `content` as JSON."""
@@ -143,7 +138,7 @@ class RunFolder:
 
 
 def _holds_something(path: Path) -> bool:
-    """Returns whether a path is neither an empty folder nor what a killed command left half."""
+    """Returns whether a path is neither an empty folder nor a half-written file."""
     empty = path.is_dir() and not path.is_symlink() and not any(path.iterdir())
     return not empty and not path.name.startswith(SCRATCH)
 
@@ -158,9 +153,9 @@ def close_folders() -> None:
 
 
 def _locked(path: Path) -> int | None:
-    """Returns the open folder, which no other process can lock; it ends with this process.
+    """Locks a folder until this process ends; returns the descriptor of the folder.
 
-    Windows has no such lock: there two processes that write into one folder are the user's matter.
+    Windows has no such lock: there the user must keep two processes out of one folder.
     """
     if sys.platform == "win32":
         return None
@@ -180,7 +175,7 @@ def _locked(path: Path) -> int | None:
 
 
 def to_json(content: Any) -> str:
-    """Returns `content` as strict JSON, where numbers that are not finite become null."""
+    """Returns `content` as strict JSON, with null in place of numbers that are not finite."""
     return json.dumps(_plain(content), indent=2, allow_nan=False)
 
 

@@ -4,101 +4,24 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib import import_module
 
 from .. import __version__
-from ..errors import InputError, refuse_old_names, unknown_name
+from ..errors import InputError, unknown_name
 from ..text import visible
+from .commands import COMMANDS, GROUPS, MAIN_COMMANDS, PARTS, function_of
 from .engine_log import engine_warnings
 from .names import check_names
+from .old_names import MOVED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-
-# The first word of each is a module of `commands`, the last one its function. Only the module that
-# is asked for is imported, because all of them together take more than a second. The sentence is
-# the beginning of that function's own help.
-GROUPS = {
-    "Start": {
-        "demo": "Do the whole job once: identify, simulate, compensate, report.",
-        "doctor": "Check this installation, and say how to mend what fails.",
-        "list suits": "List the shipped suits, or show and check one.",
-        "list tasks": "List the tasks, or say what one is.",
-        "list policies": "List the policies, with the sensors that they need and their options.",
-    },
-    "Identify": {
-        "identify": "Identify a hysteresis model from measured angle-torque curves.",
-        "design": "Design the next record to measure: nested reversals at varied speed.",
-        "rig": "Measure first-order curves of a suit joint on a simulated rig.",
-    },
-    "Simulate and look": {
-        "simulate": "Simulate one assisted arm motion, headless.",
-        "view": "Watch the assisted arm move in a window; film or picture it.",
-    },
-    "Evaluate": {
-        "evaluate": "Compare assist policies by what the wearer has to do.",
-        "validate": "Validate an identified suit model in closed loop.",
-    },
-    "Train": {
-        "train": "Train an assist policy with Stable-Baselines3.",
-        "export": "Export a policy as an ONNX model, or a suit or a policy as C code for a device.",
-    },
-    "Benchmark": {
-        "benchmark": "Compare controllers over tasks, levels and suits.",
-    },
-}
-COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
-MAIN_COMMANDS = sorted({name.split()[0] for name in COMMANDS})
-PARTS = {  # commands that are nothing without one of these words
-    one: [name.split()[1] for name in COMMANDS if name.startswith(f"{one} ")]
-    for one in MAIN_COMMANDS
-    if one not in COMMANDS
-}
-RENAMED = {
-    **{name: f"list {name}" for name in ("suits", "tasks", "policies")},
-}
-_EXAMPLE = "python examples/{}.py of the source repository"
-_PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
-MOVED = {  # commands that are gone, and what to run in their place
-    **{f"measure {name}": f"activesuit {name}" for name in ("design", "rig")},
-    "measure": "activesuit design or activesuit rig",
-    "animate": "activesuit view --film FILE",
-    "warm": "activesuit doctor --compile",
-    "report": "the command of that folder again, which makes its page",
-    "tasks --table": "activesuit benchmark run --tasks NAME",
-    "bench": "make bench in a clone of the source repository",
-    **{name: _EXAMPLE.format(name) for name in ("knowledge", "branch", "envelope", "tune")},
-    **{
-        f"evaluate {name}": _EXAMPLE.format(name)
-        for name in ("knowledge", "faults", "branch", "envelope")
-    },
-    **{f"benchmark {name}": _EXAMPLE.format(name) for name in ("learning", "tune")},
-    **dict.fromkeys(("reproduce li-2022", "study"), _PAPER.format("li_2022")),
-    **dict.fromkeys(("reproduce kao-fung-2009", "kao-fung"), _PAPER.format("kao_fung_2009")),
-}
-OLD_OPTIONS = {  # of version 0.2, and what to do in their place
-    **{
-        f"--{old}": f"write --{new}"
-        for old, new in {
-            **{name: f"wearer.{name}" for name in ("stature", "mass", "sex", "strength")},
-            **{"episodes": "motions", "naive": "unadapted", "suits": "randomize.suits"},
-            **{"samples": "randomize.suit samples", "belief": "belief.suit"},
-        }.items()
-    },
-    "--set": "write --NAME VALUE for each, as in --fatigue true --sensing.rate-cutoff 10",
-    "--video": "run activesuit view --film FILE",
-    **dict.fromkeys(("--web", "--host", "--port"), "run activesuit view --film FILE"),
-    "--export": "run load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
-    "--pose": "leave it out, since a picture shows the beginning of the motion",
-    **dict.fromkeys(("--width", "--height"), "write --size WIDTH HEIGHT"),
-}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs one command; after a user's mistake, prints one sentence and exits with code 2.
 
-    SIGTERM, by which a scheduler ends a job, does what Ctrl-C does.
+    SIGTERM, by which a scheduler ends a job, has the same effect as Ctrl-C.
     """
     with mistakes_reported():
         _run(sys.argv[1:] if arguments is None else list(arguments))
@@ -106,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 @contextmanager
 def mistakes_reported() -> Iterator[None]:
-    """Runs the block as a program; after a user's mistake it ends with one sentence and code 2."""
+    """Runs the block as a program; a user's mistake ends it with one sentence and code 2."""
     try:
         with _interruptible():
             yield
@@ -114,16 +37,16 @@ def mistakes_reported() -> Iterator[None]:
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
-        # If it came while a library ran a text as code, `python -m` would end by SIGINT, whatever
-        # the exit code; another text makes it forget that.
+        # After Ctrl-C inside code that a library executes from a text, `python -m` ends by SIGINT,
+        # whatever the exit code; executing another text resets that state.
         exec("")
         _stop(f"interrupted: {interrupt}" if interrupt.args else "interrupted")
     except MemoryError as error:
         _stop(f"error: there is not enough memory ({error}): ask for less at once")
-    except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
+    except BrokenPipeError:  # the reader of our output, such as `head`, has ended
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        _stop(f"error: {InputError(error)}")  # which is short, and one line
+        _stop(f"error: {InputError(error)}")  # InputError makes the message one short line
     finally:
         if folders := sys.modules.get(f"{__package__}.folders"):
             folders.close_folders()
@@ -131,7 +54,7 @@ def mistakes_reported() -> Iterator[None]:
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, whatever a library makes of it."""
+    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, even where a library replaces it."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread gets signals
         return
@@ -146,7 +69,7 @@ def _interruptible() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        if came:  # compiled modules turn it into an ImportError while they are loaded
+        if came:  # a compiled module turns a KeyboardInterrupt at its import into an ImportError
             raise KeyboardInterrupt from error
         raise
     finally:
@@ -163,7 +86,8 @@ def _run(arguments: Sequence[str]) -> None:
     elif name in ("-h", "--help", "help"):
         print(_help())
     elif name in PARTS and (not rest or rest[0] in ("-h", "--help")):
-        print(_help_of_parts(name))
+        lines = (f"  {part:15}{COMMANDS[f'{name} {part}']}" for part in PARTS[name])
+        print(f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines, sep="\n")
     else:
         _run_command(*command_of(arguments))
 
@@ -180,7 +104,6 @@ def command_of(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
         return name, rest
     if name in PARTS:
         raise unknown_name(f"part of {name}", rest[0], PARTS[name])
-    refuse_old_names([name], RENAMED)
     raise unknown_name("command", name, MAIN_COMMANDS)
 
 
@@ -199,24 +122,13 @@ def _help() -> str:
     return "\n".join(lines)
 
 
-def _help_of_parts(name: str) -> str:
-    lines = (f"  {part:15}{COMMANDS[f'{name} {part}']}" for part in PARTS[name])
-    return "\n".join([f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines])
-
-
-def function_of(name: str) -> Callable[..., object]:
-    """Returns the function of a command."""
-    words = name.split()
-    return getattr(import_module(f".commands.{words[0]}", __package__), words[-1])
-
-
 def _run_command(name: str, arguments: Sequence[str]) -> None:
-    check_names(name, arguments, OLD_OPTIONS)
+    check_names(name, arguments)
     from .extensions import import_from_here, load_extensions
     from .options import parsed
 
     load_extensions()
-    # A policy or an environment as module:name, or a file of a policy that may have one.
+    # The user names a policy or an environment as module:name, or trusts files that may do so.
     if "--trust" in arguments or any(":" in given for given in arguments):
         import_from_here()
     call = parsed(function_of(name), f"activesuit {name}", arguments)

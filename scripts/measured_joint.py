@@ -1,4 +1,4 @@
-"""The joint on which a file of curves was measured, and the motions that its model is for."""
+"""The joint on which a file of curves was measured, and the intended motions of its model."""
 
 from pathlib import Path
 
@@ -9,18 +9,12 @@ from ..identification import load_motion
 from ..identification.data.files import Motion
 from ..identification.identify import ANY
 
-MOTION = ".csv"  # how the names of files of motions end
+MOTION = ".csv"  # end of the names of files of motions
 MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
 def joint_of(path: Path, joint: str | None, *, needed: bool = True) -> str | None:
-    """Returns `joint`, or the joint that the name of a curve file says; None where none is needed.
-
-    Args:
-        path: Path of the file of curves.
-        joint: Name of the joint, if it is given.
-        needed: Whether a file whose joint is unknown is refused.
-    """
+    """Returns `joint`, or the joint in the name of a file; None if no joint is found or needed."""
     if joint is not None and joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)
     for name in (joint, path.stem, f"{path.stem}_flexion"):
@@ -35,34 +29,32 @@ def joint_of(path: Path, joint: str | None, *, needed: bool = True) -> str | Non
 
 
 def is_task(use: str | None) -> bool:
-    """Returns whether a use is the name of a task, whose motions are those of several joints."""
+    """Returns whether a use is the name of a task."""
     return use not in (None, ANY) and not use.lower().endswith(MOTION)
 
 
 def intended_motions(use: str | None, joint: str | None) -> list[Motion]:
-    """Returns the motions of a use; none where there is no use, or any motion is one.
+    """Returns the intended motions of a joint.
 
     Args:
-        use: Name of a task, path of a CSV file of a motion, or "any"; None for no use.
+        use: Name of a task, path of a CSV file of a motion, or "any"; without a use, or with any,
+            there is no motion.
         joint: Name of the joint, which a task needs.
     """
     if use is None or use == ANY:
         return []
-    return _task_motions(use, str(joint)) if is_task(use) else [load_motion(use, joint)]
-
-
-def _task_motions(name: str, joint: str) -> list[Motion]:
-    """Returns what a joint of the intended arm does in motions of a task."""
+    if not is_task(use):
+        return [load_motion(use, joint)]
     import numpy as np
 
     from ..envs import ArmEnv  # MuJoCo takes a second to import
     from ..envs.evaluation import FIRST_SEED
     from ..envs.tasks import TASKS
 
-    if name not in TASKS:
-        raise unknown_name("use", name, [*TASKS, ANY, f"a file *{MOTION}"])
-    env = ArmEnv(TASKS[name], coupling="none")
-    simulation, column = env.episodes.simulation, [*map(str, JOINTS)].index(joint)
+    if use not in TASKS:
+        raise unknown_name("use", use, [*TASKS, ANY, f"a file *{MOTION}"])
+    env = ArmEnv(TASKS[use], coupling="none")
+    simulation, column = env.episodes.simulation, [*map(str, JOINTS)].index(str(joint))
     found: list[Motion] = []
     for seed in range(FIRST_SEED, FIRST_SEED + MOTIONS):
         env.reset(seed=seed)

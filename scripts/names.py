@@ -1,15 +1,16 @@
-"""Names of options, read from the text of their declarations, so that nothing slow is imported.
+"""Names of options, read from the source text of their declarations without slow imports.
 
-A wrong name is answered before MuJoCo, SciPy and Numba are loaded, which takes seconds.
+So a wrong name is reported before MuJoCo, SciPy and Numba are loaded, which takes seconds.
 """
 
 import ast
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
 from ..errors import InputError
+from .old_names import OLD_OPTIONS
 
 PACKAGE = Path(__file__).parents[1]
 DECLARED = {  # dataclasses whose fields are options, and their files
@@ -33,33 +34,26 @@ STANDS_FOR = {  # parameters of commands that stand for many options
 }
 
 
-def check_names(command: str, arguments: Iterable[str], old: Mapping[str, str]) -> None:
-    """Refuses an option that a command does not have.
-
-    Args:
-        command: Name of the command.
-        arguments: Arguments of the command.
-        old: Sentences about options of version 0.2, by their names.
-    """
+def check_names(command: str, arguments: Iterable[str]) -> None:
+    """Refuses an option that a command does not have."""
     for given in arguments:
         name = given.partition("=")[0].replace("_", "-")
         known = option_names(command)
         if not name.startswith("--") or name[2:] in known or name == "--":
             continue
-        if name in old:
-            raise InputError(f"{name} was an option of version 0.2: {old[name]}")
+        if name in OLD_OPTIONS:
+            raise InputError(f"{name} was an option of version 0.2: {OLD_OPTIONS[name]}")
         leaves = {path.rpartition(".")[2]: path for path in known} | {one: one for one in known}
-        close = difflib.get_close_matches(name[2:], leaves, n=3, cutoff=0.6)
-        hint = " or ".join(f"--{leaves[one]}" for one in dict.fromkeys(close[:1] or []))
+        close = difflib.get_close_matches(name[2:], leaves, n=1)
+        hint = f"did you mean --{leaves[close[0]]}?" if close else ""
         raise InputError(
-            f"unknown option {name}"
-            + (f": did you mean {hint}?" if hint else f": activesuit {command} --help lists all")
+            f"unknown option {name}: {hint or f'activesuit {command} --help lists all'}"
         )
 
 
 @cache
 def option_names(command: str) -> frozenset[str]:
-    """Returns the names of the options of a command, as they are written behind two dashes."""
+    """Returns the names of the options of a command, without their two dashes."""
     words = command.split()
     (function,) = (
         node
@@ -80,7 +74,7 @@ def option_names(command: str) -> frozenset[str]:
 
 
 def _fields(declared: str, prefix: str = "") -> Iterator[str]:
-    """Yields the names of the options that the fields of a dataclass are."""
+    """Yields the names of the options of a dataclass, whose fields are options."""
     (node,) = (
         node
         for node in _parsed(DECLARED[declared]).body
@@ -93,7 +87,7 @@ def _fields(declared: str, prefix: str = "") -> Iterator[str]:
         kind = ast.unparse(one.annotation).removesuffix(" | None")
         if kind in DECLARED:
             yield from _fields(kind, prefix if name in FLAT else f"{prefix}{name}.")
-        elif kind != "tuple[Person, ...]":  # which no flag can tell
+        elif kind != "tuple[Person, ...]":  # several persons are no value of a flag
             yield prefix + name
 
 

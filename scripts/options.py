@@ -1,7 +1,7 @@
-"""Options of commands: the fields of `Setup` as flags, and those that several commands share.
+"""Options of commands: flags of the environment, and options that several commands share.
 
-A flag of the environment is declared by its field alone, which has name, type, default, range and
-text: `--sensing.rate-cutoff` is `rate_cutoff` of `Sensing`.
+A flag of the environment is declared by a field of a dataclass alone, which has name, type,
+default, range and text: `--sensing.rate-cutoff` is `rate_cutoff` of `Sensing`.
 """
 
 import functools
@@ -21,9 +21,9 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 from ..errors import InputError, shown
 
-SHORT = re.compile("^--payload(=|$)")  # of --payload.mass
+SHORT = re.compile("^--payload(=|$)")  # short form of --payload.mass
 FRAME = " │╭╮╰╯"
-ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message that take many lines
+ADVICE = ("Argument helptext", "For full helptext")  # long parts of tyro's message
 
 
 def parsed(
@@ -45,7 +45,7 @@ def parsed(
 
 
 def with_flags(command: Callable[..., object]) -> Callable[..., Callable[[], object]]:
-    """Returns a function with a parameter for each flag, which returns a call of the command."""
+    """Returns a function that has a parameter for each flag, and returns a call of the command."""
     kinds = inspect.Parameter
     own, hints = inspect.signature(command).parameters, get_type_hints(command, include_extras=True)
     of_scene = [name for name, one in own.items() if one.kind is kinds.VAR_KEYWORD]
@@ -68,11 +68,11 @@ def with_flags(command: Callable[..., object]) -> Callable[..., Callable[[], obj
 
 
 def _sentence(box: str) -> str:
-    """Returns what is wrong from the box that tyro draws: title, problem, hints and advice."""
+    """Returns the problem and the hints from the box that tyro draws, without title and advice."""
     parts, part = [], []
     for line in box.splitlines()[1:]:
         text = line.strip(FRAME).strip()
-        if text and not text.strip("─-"):  # a rule
+        if text and not text.strip("─-"):  # a line between two parts
             parts.append(" ".join(part).rstrip("."))
             part = []
         else:
@@ -82,7 +82,7 @@ def _sentence(box: str) -> str:
 
 
 def named_values(option: str, given: Sequence[str]) -> dict[str, str]:
-    """Returns the values of an option that is given as NAME=VALUE, by name."""
+    """Returns the values, by name, of an option that is given as NAME=VALUE."""
     found: dict[str, str] = {}
     for one in given:
         name, sign, value = one.partition("=")
@@ -95,11 +95,10 @@ def named_values(option: str, given: Sequence[str]) -> dict[str, str]:
 
 
 def flags(kind: str) -> dict[str, tuple[Any, Any]]:
-    """Returns type and default of the flags that a parameter of a command stands for, by name.
+    """Returns type and default, by name, of the flags that a parameter of a command stands for.
 
-    Args:
-        kind: Name of the parameter: "arm" for a model, "environment" for an environment, or
-            "options" for a scene, which is an environment with its task.
+    `kind` is the name of the parameter: "arm" for a model, "environment" for an environment, or
+    "options" for a scene, which is an environment with its task.
     """
     from ..envs.model import ArmConfig
     from ..envs.setup import DEFAULTS, Setup
@@ -118,7 +117,7 @@ def flags(kind: str) -> dict[str, tuple[Any, Any]]:
 def _fields_of(
     config: type, usual: Mapping[str, Any], without: Sequence[str] = ()
 ) -> dict[str, tuple[Any, Any]]:
-    """Returns type and default of the flags of a dataclass, whose fields are declared once."""
+    """Returns type and default, by name, of the flags of a dataclass."""
     from ..envs.person import Person
 
     hints, texts = get_type_hints(config), _texts(config)
@@ -136,7 +135,7 @@ def _fields_of(
 
 
 def _group(name: str, kind: type, value: Any, text: str) -> tuple[Any, Any]:
-    """Returns a nested dataclass of flags, and its default, in which none is given."""
+    """Returns a nested dataclass of flags, and its default, in which no flag is given."""
     inner = _fields_of(kind, vars(value if is_dataclass(value) else kind()))
     made = [(one, hint, field(default=default)) for one, (hint, default) in inner.items()]
     group = make_dataclass(name.title(), made, frozen=True)
@@ -145,17 +144,18 @@ def _group(name: str, kind: type, value: Any, text: str) -> tuple[Any, Any]:
 
 
 def _flag(name: str, kind: Any, value: Any, text: str, setting: Any) -> tuple[Any, Any]:
-    """Returns type and default of one flag; None, False or () stand for one that is not given."""
+    """Returns type and default of one flag; None, False or () mean that the flag is not given."""
     if kind is bool and value is False:
         return Annotated[bool, tyro.conf.arg(help=text)], False
-    usual = "" if value is None else f"default: {_shown(value)}"
+    words = " ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
+    usual = "" if value is None else f"default: {words}"
     if setting is not None:
         usual += f"{'; ' * bool(usual)}{setting.low:g} to {setting.high:g}"
     usual = f"({usual})" if usual else ""
     args, origin = get_args(kind), get_origin(kind)
     if kind is bool:
-        words = {"true": True, "false": False}
-        return Annotated[Any, choice(lambda: words, text, hint=usual, values=words)], None
+        values = {"true": True, "false": False}
+        return Annotated[Any, choice(lambda: values, text, hint=usual, values=values)], None
     if origin is Literal:
         return Annotated[Any, choice(lambda: args, text, hint=usual)], None
     if origin is tuple and args[-1] is Ellipsis:
@@ -168,28 +168,20 @@ def _flag(name: str, kind: Any, value: Any, text: str, setting: Any) -> tuple[An
     return Annotated[Any, choice(known, text, hint=usual)], None
 
 
-def _shown(value: Any) -> str:
-    return " ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
-
-
 def _without_none(hint: Any) -> Any:
     kinds = [one for one in get_args(hint) if one is not NoneType]
     return kinds[0] if NoneType in get_args(hint) and len(kinds) == 1 else hint
 
 
 def _texts(config: type) -> dict[str, str]:
-    """Returns what the docstring of a dataclass says of its fields."""
+    """Returns the texts of the fields in the docstring of a dataclass, by name."""
     _, _, attributes = inspect.cleandoc(config.__doc__ or "").partition("Attributes:\n")
     found = re.findall(r"^    (\w+): (.+(?:\n {8}.+)*)", attributes, re.MULTILINE)
     return {name: " ".join(text.split()) for name, text in found}
 
 
 def _given(found: Iterable[tuple[str, Any, Any]]) -> dict[str, Any]:
-    """Returns flags that are given as plain values, those of a group as a dict.
-
-    Args:
-        found: Name, value and default of each flag.
-    """
+    """Returns the values of the flags that are given, with a dict for each group."""
     given = {}
     for name, value, default in found:
         if is_dataclass(value):
@@ -211,30 +203,28 @@ def choice(
 ) -> Any:
     """Describes an option that takes a name from a registry.
 
-    The help lists the names that the registry has when the command runs, so that those of
-    extensions are among them. The option itself takes any text: the function that looks the name up
-    refuses an unknown one, with a sentence that also tells the closest name.
+    The help lists the names that the registry has when the command runs, with names of extensions.
+    The option itself takes any text: the function that looks the name up refuses an unknown name,
+    with a sentence that suggests the closest name.
 
     Args:
-        names: Function that returns the names; one in capitals stands for a file or a folder.
-        help: Help text; by default what the docstring of the command says.
-        usual: What None stands for, where the option has that default.
-        values: Values that names stand for; by default themselves.
-        name: Name of the option, where it is no name of a Python argument.
-        hint: What stands behind the text; by default the default.
+        names: Function that returns the names; a name in capitals stands for a file or a folder.
+        help: Help text; by default the text in the docstring of the command.
+        usual: Meaning of None, where None is the default.
+        values: Values that names stand for; by default the names themselves.
+        name: Name of the option, where the name is no name of a Python argument.
+        hint: Text behind the help text; by default the default value.
 
     Returns:
         An annotation for the type of the option, as in `Annotated[str, choice(...)]`.
     """
+    if hint is None and usual:
+        hint = f"(default: {usual})"
     return tyro.conf.arg(
         name=name,
         constructor_factory=lambda: _one_of(names(), values or {}),
         help=help,
-        help_behavior_hint=hint
-        if hint is not None
-        else f"(default: {usual})"
-        if usual
-        else _default,
+        help_behavior_hint=_default if hint is None else hint,
     )
 
 
@@ -256,17 +246,10 @@ def optional_number(
     help: str | None = None,
     hint: str | None = None,
 ) -> Any:
-    """Describes an option that takes numbers and is None if it is not given.
+    """Describes an option that takes a number, or a tuple of `count` numbers, with default None.
 
-    Args:
-        usual: What None stands for.
-        kind: Type of the numbers.
-        count: Number of the numbers; several make a tuple.
-        help: Help text; by default what the docstring of the command says.
-        hint: What stands behind the text; by default the default.
-
-    Returns:
-        An annotation for the type of the option, as in `Annotated[float | None, ...]`.
+    `usual` says what None means; `help` and `hint` are as in `choice`. The result is an annotation
+    for the type of the option, as in `Annotated[float | None, optional_number(...)]`.
     """
 
     def parsed(given: list[str]) -> Any:
@@ -289,17 +272,15 @@ def optional_number(
 
 
 def _default(label: str) -> str:
-    # With a constructor of our own, tyro shows the default as a Python list.
+    # Beside a constructor of ours, tyro shows the default as a Python list.
     return f"(default: {' '.join(map(str, literal_eval(label)))})"
 
 
 def names_of(module: str, registry: str, *others: str) -> Callable[[], list[str]]:
-    """Returns a function that lists names, which imports their module when it is called.
+    """Returns a function that lists the names of a registry, and imports its module when called.
 
-    Args:
-        module: Module of the registry, below the package.
-        registry: Name of the registry, or of a function that returns the names.
-        *others: What is taken beside the names; one in capitals stands for a file or a folder.
+    `registry` may also be the name of a function that returns the names. `others` are listed behind
+    the names; `others` in capitals stand for a file or a folder.
     """
 
     def names() -> list[str]:
@@ -311,7 +292,7 @@ def names_of(module: str, registry: str, *others: str) -> Callable[[], list[str]
     return names
 
 
-correctable = names_of("envs.policies", "POLICIES")  # policies that are no trained networks
+correctable = names_of("envs.policies", "POLICIES")  # policies that are no networks
 networks = names_of("envs.policies.trained", "shipped_policies", "FOLDER")
 bounds = names_of("envs.evaluation", "BOUNDS")
 suits = names_of("assets", "suit_names", "FILE.json")
@@ -319,14 +300,14 @@ gravities = names_of("envs.model.config", "GRAVITY")
 joints = names_of("assets", "JOINTS")
 shipped_tasks = names_of("envs.tasks", "TASKS")
 tasks = names_of("envs.tasks", "TASKS", "FILE.csv")
-uses = names_of("envs.tasks", "TASKS", "FILE.csv", "any")  # what curves may be for
+uses = names_of("envs.tasks", "TASKS", "FILE.csv", "any")  # intended uses of a model
 levels = names_of("envs.domain.levels", "LEVELS")
 scores = names_of("envs.extras", "SCORES")
 drawings = names_of("envs.extras", "DRAWINGS")
 
 
 def policies() -> list[str]:
-    """Returns the names of the policies; the folder of a training run is one too."""
+    """Returns the names of the policies."""
     return [*correctable(), *networks()]
 
 
@@ -335,16 +316,14 @@ def evaluated() -> list[str]:
     return [*policies(), *bounds()]
 
 
-# Parameters of a command that stand for many flags: `**options` is a scene, `**environment` an
-# environment, `**arm` a model; see `flags`.
 USUAL_TASK = "ArmTracking"
 ENV, GRAVITY, LIMIT = f"ActiveSuit/{USUAL_TASK}-v0", "earth", "max_episode_steps"
 Env = Annotated[
     str | None,
     choice(
         lambda: ("MODULE:ID",),
-        "Id of an environment of your own as MODULE:ID, where importing the module registers the "
-        "id; instead of --task.",
+        "Id of an environment of your own as MODULE:ID, in place of --task; importing the module "
+        "registers the id.",
         "that of the task",
     ),
 ]
@@ -361,8 +340,8 @@ Level = Annotated[
     str | None,
     choice(
         levels,
-        "How much differs from what a controller was made for; options that are given replace "
-        "those of the level.",
+        "Level of the differences from the arm that a controller was made for; options that are "
+        "given replace options of the level.",
         "that of a trained policy, else nominal",
     ),
 ]
@@ -371,49 +350,34 @@ Use = Annotated[
     str | None,
     choice(
         uses,
-        "Motions that the model is for; the answer is what the curves leave open about them: a "
-        "shipped task; a CSV file with the column angle_rad, or the angles of all joints, and "
-        "time_s; or any motion in the range of the curves.",
+        "Intended motions of the model: a shipped task; a CSV file with the column angle_rad, or "
+        "the angles of all joints, and time_s; or any motion in the range of the curves. The "
+        "command says what the curves do not determine about these motions.",
         "none",
         name="for",
     ),
 ]
-PolicyName = Annotated[
-    str,
-    choice(
-        policies,
-        "Name of a policy, also with options (adaptive:suit=elbow.json,forgetting=10), or "
-        "MODULE:CLASS of your own; or folder of a training run, whose task and options then hold.",
-    ),
-]
-EvaluatedName = Annotated[
-    str,
-    choice(
-        evaluated,
-        "Name of a policy or bound, also with options (adaptive:suit=elbow.json,forgetting=10), or "
-        "MODULE:CLASS of your own; or folder of a training run, whose task and options then hold.",
-    ),
-]
+_POLICY = (
+    "Name of a {}, also with options (adaptive:suit=elbow.json,forgetting=10), or MODULE:CLASS of "
+    "your own; or folder of a training run, whose task and options are then used."
+)
+PolicyName = Annotated[str, choice(policies, _POLICY.format("policy"))]
+EvaluatedName = Annotated[str, choice(evaluated, _POLICY.format("policy or bound"))]
 Scores = Annotated[
     tuple[Annotated[str, choice(scores)], ...],
-    tyro.conf.arg(help="Scores of extras, which say what motions cost in other numbers too."),
+    tyro.conf.arg(help="Scores of extras, which state the cost of motions in other numbers too."),
 ]
-Draw = Annotated[
-    str | None,
-    choice(drawings, "Drawing of an extra beside the moving arm.", "none"),
-]
+Draw = Annotated[str | None, choice(drawings, "Drawing of an extra beside the moving arm.", "none")]
 Motions = Annotated[
     int,
     tyro.conf.arg(help="Number of motions of each policy, at least 8; the same for all policies."),
 ]
-_SEED = "Seed of all random numbers; the same one repeats the result."
+_SEED = "Seed of all random numbers; the same seed repeats the result."
 Seed = Annotated[int, tyro.conf.arg(help=_SEED)]
 RunSeed = Annotated[int | None, optional_number("0", int, help=_SEED)]
-Json = Annotated[bool, tyro.conf.arg(help="Print the result as JSON instead of tables.")]
+Json = Annotated[bool, tyro.conf.arg(help="Print the result as JSON in place of tables.")]
 Trust = Annotated[
     bool,
     tyro.conf.arg(help="Let JSON files of policies name MODULE:CLASS, whose code then runs."),
 ]
-Force = Annotated[
-    bool, tyro.conf.arg(help="Replace files that are there, and write into any folder.")
-]
+Force = Annotated[bool, tyro.conf.arg(help="Replace existing files, and write into any folder.")]

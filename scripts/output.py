@@ -16,16 +16,16 @@ from rich.text import Text
 from ..tables import columns_of_words
 from ..text import visible
 
-WIDEST = 24  # characters of a table cell that are never broken
-NARROWEST = 100  # columns of a terminal; a narrower one wraps the lines
-BETWEEN = 4  # more than the columns between two cells
-QUIET = 3.0  # [s], least time from one line about progress to the next
+WIDEST = 24  # characters; a shorter line of a table cell is never broken
+NARROWEST = 100  # columns of a terminal; a narrower terminal wraps the lines
+BETWEEN = 4  # at least the columns between two cells
+QUIET = 3.0  # [s], least time between two lines about progress
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
 
 
 @contextmanager
 def telling(kept: Callable[[], str]) -> Iterator[None]:
-    """Makes Ctrl-C in the block report what is `kept`, unless a report has been made inside."""
+    """Makes Ctrl-C in the block report `kept()`, unless an inner block has reported already."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
@@ -36,7 +36,7 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 
 @contextmanager
 def progress(description: str, total: int = 1) -> Iterator["Bar"]:
-    """Shows on stderr how far the block is: a bar on a terminal, else at most ten lines."""
+    """Shows the progress of the block on stderr: a bar on a terminal, else at most ten lines."""
     if not messages.is_terminal:
         yield Bar(_Lines(visible(description)), total)
         return
@@ -52,30 +52,25 @@ def progress(description: str, total: int = 1) -> Iterator["Bar"]:
 
 
 class Bar:
-    """What a block tells about how far it is.
-
-    Args:
-        show: Function that shows the number of steps that are done, and that of all.
-        total: Number of all steps.
-    """
+    """Progress of a block; `show` gets the number of finished steps and the number of all steps."""
 
     def __init__(self, show: Callable[[float, float], None], total: float) -> None:
         self._show, self._done, self._total = show, 0.0, total
 
     def advance(self, steps: float = 1) -> None:
-        """Moves the bar forward by `steps`."""
+        """Moves the bar forward by a number of steps."""
         self.move_to(self._done + steps)
 
     def move_to(self, steps: float, total: float | None = None) -> None:
-        """Moves the bar to `steps` of its total, which may become known now."""
+        """Moves the bar to a number of steps; `total` replaces the number of all steps."""
         self._done, self._total = steps, self._total if total is None else total
         self._show(self._done, self._total)
 
 
 class _Lines:
-    """Prints a line for a tenth of the way, for logs; none where the whole way is short.
+    """Prints a line after each tenth of the work, for logs; no line where the work is short.
 
-    No time that is left is said: the steps of an evaluation take from seconds to minutes.
+    A line does not estimate the remaining time, since steps take from seconds to minutes.
     """
 
     def __init__(self, description: str) -> None:
@@ -94,7 +89,7 @@ class _Lines:
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Prints a table; columns of words are aligned left, those of numbers right.
 
-    Nothing is left out: in a terminal long cells are broken, elsewhere a table is as wide as it is.
+    Nothing is left out: a terminal breaks long cells, and elsewhere no cell is broken.
     """
     header, rows = _visible(header), [_visible(row) for row in rows]
     shown = Table(box=box.SIMPLE_HEAD, padding=(0, 1))

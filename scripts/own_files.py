@@ -1,8 +1,8 @@
-"""Files that trainings of this user on this machine wrote, which alone may hold Python objects.
+"""Own files: files that trainings of this user wrote on this machine.
 
-To read Python objects from a file can run any code. So a training notes the SHA-256 of each such
-file outside its run folder, in `~/.local/state/activesuit/runs` (or below XDG_STATE_HOME), and a
-file that is not noted there is somebody else's, whatever the folder says about itself.
+Python objects are read from own files only, since reading them can run any code. So a training
+notes the SHA-256 of each such file outside its run folder, in `~/.local/state/activesuit/runs` (or
+below XDG_STATE_HOME). A file without a note there counts as a file of somebody else.
 """
 
 import hashlib
@@ -14,31 +14,29 @@ from pathlib import Path
 from ..errors import InputError
 from ..files import write_text
 
-MOST = 10_000  # notes; a training makes about twenty
+MOST = 10_000  # greatest number of notes; a training makes about twenty
 
 
 def notes_folder() -> Path:
-    """Returns the folder of the notes, one file for each file that was written."""
+    """Returns the folder of the notes, which holds one file for each own file."""
     state = os.environ.get("XDG_STATE_HOME", "")
     base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
     return base / "activesuit" / "runs"
 
 
 def note(path: Path, place: Path) -> bool:
-    """Notes that this machine wrote a file; returns False where no note can be kept.
+    """Notes that this machine wrote a file; returns False where no note can be written.
 
-    A note outlives its file, because a copy of the file is of this machine as well; of many notes
-    the oldest are removed.
-
-    Args:
-        path: Path of the file.
-        place: Path that it is going to have, for a person who reads the note.
+    A note outlives its file, because a copy of an own file is an own file too. The oldest notes are
+    removed where there are more than `MOST`.
     """
     try:
         folder = notes_folder()
         folder.mkdir(parents=True, exist_ok=True)
         write_text(folder / _digest(path.read_bytes()), f"{place.resolve()}\n")
-        _remove_oldest(folder)
+        notes = list(folder.iterdir())
+        for old in sorted(notes, key=_written)[: max(0, len(notes) - MOST)]:
+            old.unlink(missing_ok=True)
     except (OSError, RuntimeError, InputError):  # no home, a full disk, a read-only folder
         return False
     return True
@@ -55,15 +53,8 @@ def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _remove_oldest(folder: Path) -> None:
-    notes = list(folder.iterdir())
-    if len(notes) > MOST:
-        for old in sorted(notes, key=_written)[: len(notes) - MOST]:
-            old.unlink(missing_ok=True)
-
-
 def _written(kept: Path) -> float:
-    """Returns when a note was written [s]; never for one that another training has removed."""
+    """Returns the time of a note [s]; infinity if another training has removed the note."""
     try:
         return kept.stat().st_mtime
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""What a command simulates: options that are given, those of training runs, and the usual ones."""
+"""What a command simulates: given options, options of training runs, and usual options."""
 
 import operator
 import os
@@ -30,14 +30,12 @@ from .own_files import is_own
 COMMAND = "this command"
 OUR_MODULE = "activesuit:"  # prefix of an id, for Gymnasium's worker processes
 _ARM = ArmConfig()
-_USUAL: dict[str, Any] = {  # what every result and every run tells
-    **{"suit": _ARM.suit, "pressure": _ARM.pressure, "preconditioned": _ARM.preconditioned},
-    **{"gravity": _ARM.gravity, "wearer.stature": _ARM.wearer.stature},
-    **{"wearer.mass": _ARM.wearer.mass, "wearer.sex": _ARM.wearer.sex},
-    **{"wearer.strength": _ARM.wearer.strength, "coupling": _ARM.coupling},
-    **{"payload.mass": _ARM.payload.mass, "side": _ARM.side, "tilt": list(_ARM.tilt)},
-    "allow_uncertified": _ARM.allow_uncertified,
-}
+_STATED = (  # options that every result and every run states
+    *("suit", "pressure", "preconditioned", "gravity", "wearer.stature", "wearer.mass"),
+    *("wearer.sex", "wearer.strength", "coupling", "payload.mass", "side", "tilt"),
+    "allow_uncertified",
+)
+_USUAL = {name: operator.attrgetter(name)(_ARM) for name in _STATED} | {"tilt": [*_ARM.tilt]}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,19 +43,14 @@ class Scene:
     """A task and the options of its environment.
 
     Attributes:
-        env: Id of the environment, with the module that registers it if it is not ours.
+        env: Id of the environment, as MODULE:ID if another package registers the id.
         options: Options of the environment as plain values.
-        policies: Policies that were given; those in trusted files are read.
+        policies: Given policies; a trusted file of a policy is read.
     """
 
     env: str
     options: dict[str, Any]
     policies: tuple[PolicySpec | str, ...] = ()
-
-    @property
-    def arm(self) -> dict[str, Any]:
-        """Those of the options that are fields of `ArmConfig`."""
-        return {name: value for name, value in self.options.items() if name in OF_ARM}
 
     @property
     def place(self) -> str:
@@ -76,38 +69,36 @@ def scene(
     trusted: bool = False,
     usual: Mapping[str, Any] | None = None,
 ) -> Scene:
-    """Returns what to simulate.
+    """Returns the task and the options of a simulation.
 
-    An option is the one given, else that of the training runs, else the usual one. What is given of
-    the arm must be as in the training runs; sensing, faults and others may differ from it, as the
-    level may. The level is always among the options.
+    The value of an option is the given value, or else the value of the training runs, or else the
+    usual value. Given options of the arm must be as in the training runs; the level, sensing,
+    faults and others may differ. The level is always among the options of the result.
 
     Args:
-        options: Options that are given: those of the environment by their names in Python, and
-            `env`, its id, or `task`, the name of a task or the file of a motion.
-        policies: Names or files of policies; the folders of training runs among them bring their
-            options.
-        level: Level where the options have none.
-        run: Folder of a training run that goes on.
-        trusted: Whether a file of a policy may name a class of a module, and a run from another
-            machine the module of its environment, which are then imported.
-        usual: Usual env or gravity of the command, where they differ from those of the others.
-
-    Raises:
-        InputError: An option differs from that of a training run, or two runs differ; or a run
-            from another machine was trained in an environment of a module that is not ours; or
-            options of the observation are given, which follows from the policies.
+        options: Given options: options of the environment by their names in Python, and `env`, the
+            id of the environment, or `task`, the name of a task or the file of a motion.
+        policies: Names or files of policies, or folders of training runs, whose options hold.
+        level: Level, for options without a level.
+        run: Folder of a training run that is resumed.
+        trusted: Whether to import the module of a class that a file of a policy names, and the
+            module of the environment of a run from another machine.
+        usual: Usual env or gravity of the command, where they differ from other commands.
     """
     given = {name: value for name, value in _flat(options) if value is not None}
     given, beside = _with_env(given)
     env, level = given.get("env"), given.pop("level", level)
     found: dict[str, Any] = {}
     of = ""
-    for folder in [*_runs_among(policies), *([str(run)] if run else [])]:
+    folders = [name for name in policies if name not in POLICIES and os.path.isdir(name)]
+    for folder in [*folders, *([str(run)] if run else [])]:
         theirs = run_options(folder)
         if not trusted:
             _allow_module(theirs["env"], env, folder)
-        same = given if run is not None and folder == str(run) else _of_arm(given)
+        same = given  # all options of a run that is resumed, and else those of the arm
+        if run is None or folder != str(run):
+            names = {"env", *OF_ARM}
+            same = {name: one for name, one in given.items() if name.partition(".")[0] in names}
         _check_same(same, theirs, COMMAND, folder)
         if found:
             both = theirs if level is None else {**theirs, "level": found["level"]}
@@ -116,10 +107,12 @@ def scene(
     chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
     size = Person(sex=given.get("wearer.sex", _ARM.wearer.sex))
     own = {"wearer.stature": size.stature, "wearer.mass": size.mass}
-    own |= {"gravity": _place(chosen), "level": NOMINAL}
+    task = chosen.removeprefix(OURS).removesuffix("-v0")
+    own |= {"gravity": TASKS[task].place if task in TASKS else GRAVITY, "level": NOMINAL}
     flat = {**_USUAL, **own, **(usual or {}), **found}
-    if level not in (None, flat["level"]):  # a run has what its own level says
-        flat |= {**_of_level(level, given), "level": level}
+    if level not in (None, flat["level"]):  # the options of a run contain those of its own level
+        of_level = with_level({**given, "level": level})
+        flat |= {name: one for name, one in of_level.items() if name in _USUAL} | {"level": level}
     flat |= given
     flat.pop("env", None)
     read = tuple(
@@ -130,7 +123,7 @@ def scene(
 
 
 def refuse_observed(options: Mapping[str, Any], policies: Sequence[PolicySpec | str]) -> None:
-    """Refuses options of the observation where it follows from the policies."""
+    """Refuses options of the observation where the policies determine the observation."""
     given = [name for name in OBSERVATION if options.get(name) is not None]
     if given and policies and all(one in BOUNDS or needed_options(one) for one in policies):
         raise InputError(
@@ -140,7 +133,7 @@ def refuse_observed(options: Mapping[str, Any], policies: Sequence[PolicySpec | 
 
 
 def _with_env(given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Returns options with the id of the environment, and what its task needs beside it."""
+    """Returns options with the id of the environment, and the option for the file of a motion."""
     if LIMIT in given:
         at_least(LIMIT, given[LIMIT], 1)
     if "gravity" in given:
@@ -161,33 +154,12 @@ def _with_env(given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     return {**given, "env": f"{OURS}{task}-v0"}, {}
 
 
-def _of_arm(given: Mapping[str, Any]) -> dict[str, Any]:
-    names = {"env", *OF_ARM}
-    return {name: value for name, value in given.items() if name.partition(".")[0] in names}
-
-
-def _place(env: str) -> str:
-    """Returns the place of the task of a shipped environment, and the usual one for others."""
-    name = env.removeprefix(OURS).removesuffix("-v0")
-    return TASKS[name].place if name in TASKS else GRAVITY
-
-
-def _of_level(level: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what a level says of usual options, beside those that are given."""
-    options = with_level({**given, "level": level})
-    return {name: value for name, value in options.items() if name in _USUAL}
-
-
 def run_options(folder: str) -> dict[str, Any]:
-    """Returns the options with which a run was trained, by the names of their flags."""
+    """Returns the options of the training of a run, by the names of their flags."""
     found = environment_of(folder)
     found = {name: value for name, value in found.items() if name not in OBSERVATION}
     env = found["env"].removeprefix(OUR_MODULE)
     return {**_USUAL, "level": NOMINAL, **dict(_flat(found)), "env": env}
-
-
-def _runs_among(policies: Sequence[str]) -> list[str]:
-    return [name for name in policies if name not in POLICIES and os.path.isdir(name)]
 
 
 def _allow_module(trained_on: str, given: str | None, folder: str) -> None:
@@ -209,17 +181,16 @@ def _check_same(
         other: Any = trained.get(name)
         same = _same_suit if name == "suit" else operator.eq
         if not same(value, other):
-            others = "add --level" if name == "level" else "give runs of the same options"
             option = f"--{name.replace('_', '-')}"
-            raise InputError(
-                f"{whose} has {option} {_shown(name, options)}, and the run in {folder!r} was "
-                f"trained with {_shown(name, trained)}: "
-                + (f"leave {option} out" if whose == COMMAND else others)
+            fix = "add --level" if name == "level" else "give runs of the same options"
+            one, two = (
+                shown(given[name]) if name in given else "the usual one"
+                for given in (options, trained)
             )
-
-
-def _shown(name: str, options: Mapping[str, Any]) -> str:
-    return shown(options[name]) if name in options else "the usual one"
+            raise InputError(
+                f"{whose} has {option} {one}, and the run in {folder!r} was trained with {two}: "
+                + (f"leave {option} out" if whose == COMMAND else fix)
+            )
 
 
 def _same_suit(one: str, other: str) -> bool:
@@ -227,7 +198,7 @@ def _same_suit(one: str, other: str) -> bool:
 
 
 def _flat(options: Mapping[str, Any], of: str = "") -> Iterator[tuple[str, Any]]:
-    """Yields options by the names of their flags, with a dot before the field of a nested one."""
+    """Yields options by the names of their flags, as `wearer.sex` for a nested option."""
     for name, value in options.items():
         if isinstance(value, Mapping) and name != "suit":
             yield from _flat(value, f"{of}{name}.")
@@ -236,7 +207,7 @@ def _flat(options: Mapping[str, Any], of: str = "") -> Iterator[tuple[str, Any]]
 
 
 def _nested(flat: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns options by their names in Python, from what `_flat` yields."""
+    """Returns options by their names in Python, which undoes `_flat`."""
     found: dict[str, Any] = {}
     for name, value in flat.items():
         *outer, last = name.split(".")

@@ -1,4 +1,4 @@
-"""The end of a command: its result is printed, and written with a page into a folder."""
+"""The end of a command: prints its result, and writes files and a page into a folder."""
 
 import base64
 import gzip
@@ -17,7 +17,6 @@ from .. import __version__
 from ..plots import Plot
 from ..tables import Rows, columns_of_words
 from ..text import say, visible
-from .columns import explained
 from .folders import RunFolder, to_json
 from .output import table
 
@@ -26,23 +25,37 @@ PAGE, RESULT = "report.html", "result.json"
 DATA = (".json", ".jsonl", ".csv", ".safetensors")
 MOST_ROWS = 500  # of a table of a page
 DPI = 140
+MEANINGS = {  # of columns of tables whose names alone are not clear
+    "relief, 95 % interval": "share of the suit's cost in effort that is given back",
+    "of the bound": "relief over the relief of the best known plan, which knows the whole motion",
+    "went well": "share of motions within all limits of success",
+    "late by [ms]": "delay of the believed torque behind the true torque",
+    "RMS of the peak [%]": "root mean square of the error over the largest true torque",
+    "over fit noise": "root mean square of the error over the residual of the fit",
+    "smoothness SPARC": "spectral arc length, nearer to 0 is smoother",
+    "hand SPARC": "spectral arc length of the hand's motion, nearer to 0 is smoother",
+    "predicts: NRMSE": "error on data left out of the fit, over the largest torque",
+    "fits: NRMSE": "error on the fitted data, over the largest torque",
+    "weight in band": "share of the model in the band and the samples over kinds of model",
+    "starts that agree": "number of starts of the fit that ended at this model",
+}
 _HERE = __name__.rpartition(".")[0]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What a command found.
+    """Result of a command.
 
     Attributes:
-        heading: What the command does, as the title of its page.
-        about: What it was done with: a file, or task, place and suit.
+        heading: Title of the page.
+        about: Subject of the command: a file, or task, place and suit.
         result: Plain values, which result.json and --json hold.
-        tables: Header and rows of tables, by title; the first one is the answer.
-        answer: Sentences, the most important one first.
+        tables: Header and rows of tables, by title; the first table is the answer.
+        answer: Sentences, the most important sentence first.
         columns: Header and rows of CSV files, by name.
-        plots: Figures, by the name of the file without its end.
-        pictures: Drawings that are no plots, or pixels (height, width, 3), in the same way.
-        settings: Options of the run; by default the plain values among the result.
+        plots: Figures, by the name of the file without its suffix.
+        pictures: Figures of matplotlib that are no plots, or pixels (height, width, 3), by name.
+        settings: Options of the run; by default the plain values of the result.
     """
 
     heading: str
@@ -59,14 +72,10 @@ class Report:
 
     @classmethod
     def of(cls, found: Any, heading: str, about: str, **more: Any) -> "Report":
-        """Returns the report of a result, which has its tables, sentences, columns and figures.
+        """Returns the report of a result that has methods for the parts of a report.
 
-        Args:
-            found: Result with `to_dict`, `tables` and `sentences`, perhaps also `columns`,
-                `plots` and `pictures`.
-            heading: What the command does.
-            about: What it was done with.
-            **more: Attributes of the report that are not those of the result.
+        These are `to_dict`, `tables`, `sentences` and perhaps `columns`, `plots` and `pictures`.
+        `more` has attributes of the report in place of the parts of the result.
         """
         parts = {"result": "to_dict", "tables": "tables", "answer": "sentences"}
         parts |= {name: name for name in ("columns", "plots", "pictures") if hasattr(found, name)}
@@ -75,7 +84,7 @@ class Report:
 
 
 def conclude(report: Report, folder: RunFolder | None, json: bool = False) -> None:
-    """Prints a report, as JSON or as tables and sentences; writes it if there is a folder."""
+    """Prints a report, as JSON or as tables and sentences; writes the report into a folder."""
     if folder:
         write(report, folder)
     if json:
@@ -86,7 +95,9 @@ def conclude(report: Report, folder: RunFolder | None, json: bool = False) -> No
     for sentence in report.answer:
         say(sentence)
     if folder:
-        say(f"wrote {folder.path}: {PAGE} has everything, {_list(report)} the parts")
+        names = [RESULT, *report.columns]
+        names += [f"{one}.png" for one in (*report.plots, *report.pictures)]
+        say(f"wrote {folder.path}: {PAGE} has everything, {', '.join(names)} the parts")
 
 
 def write(report: Report, folder: RunFolder) -> None:
@@ -103,23 +114,17 @@ def write(report: Report, folder: RunFolder) -> None:
 
 
 def page(report: Report, folder: RunFolder) -> str:
-    """Returns the page of a run: one file that asks nothing of any other place.
-
-    Args:
-        report: What the run found.
-        folder: The run folder, whose files of data the page lists.
-    """
+    """Returns the page of a run: one file of HTML that loads no other file."""
     from jinja2 import Environment
 
     environment = Environment(autoescape=True, trim_blocks=True)
     environment.filters["data"] = environment.filters["tojson"]
     environment.globals |= {"explained": explained, "most": MOST_ROWS}
     template = environment.from_string(files(_HERE).joinpath("page.html").read_text("utf-8"))
-    settings = report.settings
-    if settings is None:
-        settings = {
-            name: one for name, one in report.result.items() if not isinstance(one, dict | list)
-        }
+    plain = {name: one for name, one in report.result.items() if not isinstance(one, dict | list)}
+    settings = plain if report.settings is None else report.settings
+    versions = {"activesuit": __version__, "python": platform.python_version()}
+    versions |= {name: version(name) for name in PACKAGES}
     content = {
         "heading": report.heading,
         "lead": f"{report.about} · activesuit {__version__}",
@@ -129,18 +134,18 @@ def page(report: Report, folder: RunFolder) -> str:
         "pictures": {name: _source(one) for name, one in report.pictures.items()},
         "origin": [
             _table("Options", ["option", "value"], _flat(settings)),
-            _table("Versions", ["package", "version"], _versions()),
-            _table("Files of data beside this page", ["file", "SHA-256"], _hashes(folder)),
+            _table("Versions", ["package", "version"], [*map(list, versions.items())]),
+            _table("Data files of the run", ["file", "SHA-256"], _hashes(folder)),
         ],
     }
     plotly = _plotly() if report.plots else ""
     return template.render(**_visible(content), plotly=plotly)
 
 
-def _list(report: Report) -> str:
-    names = ["result.json", *report.columns, *(f"{one}.png" for one in report.plots)]
-    names += [f"{one}.png" for one in report.pictures]
-    return ", ".join(names)
+def explained(header: Sequence[str]) -> str:
+    """Returns the meanings of the columns of a table whose names alone are not clear."""
+    names = [" ".join(name.split()) for name in header]
+    return "; ".join(f"{name}: {MEANINGS[name]}" for name in names if name in MEANINGS)
 
 
 def _figure(plot: Plot) -> dict[str, Any]:
@@ -151,14 +156,14 @@ def _figure(plot: Plot) -> dict[str, Any]:
 
 
 def _table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[Any]:
-    """Returns a table for the page, with which of its columns hold words."""
+    """Returns a table for the page, and for each column whether the column holds words."""
     rows = [*rows]
     return [title, header, rows, columns_of_words(header, rows)]
 
 
 @cache
 def _plotly() -> str:
-    """Returns the script of plotly, compressed: it is three quarters of a page otherwise."""
+    """Returns the script of plotly, compressed: uncompressed it takes three quarters of a page."""
     import plotly
 
     script = files(plotly).joinpath("package_data", "plotly.min.js").read_bytes()
@@ -166,7 +171,7 @@ def _plotly() -> str:
 
 
 def _source(picture: Any) -> str:
-    """Returns a picture as the source of an image: a drawing as PNG, pixels as JPEG."""
+    """Returns a picture as the source of an image: a figure as PNG, pixels as JPEG."""
     content, kind = io.BytesIO(), "png" if hasattr(picture, "savefig") else "jpeg"
     if kind == "png":
         picture.savefig(content, format=kind, dpi=DPI)
@@ -178,21 +183,17 @@ def _source(picture: Any) -> str:
 
 
 def _flat(settings: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
-    """Returns options as rows of name and value, those inside others as outer.inner."""
+    """Returns options as rows of name and value; a nested option has the name outer.inner."""
     rows = []
     for name, value in settings.items():
         if isinstance(value, Mapping) and value:
             rows += _flat(value, f"{prefix}{name}.")
-        else:
-            text = "-" if value is None else value if isinstance(value, str) else None
-            plain = json_module.loads(to_json(value)) if text is None else None
-            rows.append([f"{prefix}{name}", text or json_module.dumps(plain, ensure_ascii=False)])
+            continue
+        text = "-" if value is None else value
+        if not isinstance(text, str) or not text:
+            text = json_module.dumps(json_module.loads(to_json(value)), ensure_ascii=False)
+        rows.append([f"{prefix}{name}", text])
     return rows
-
-
-def _versions() -> list[list[str]]:
-    found = {"activesuit": __version__, "python": platform.python_version()}
-    return [*map(list, (found | {name: version(name) for name in PACKAGES}).items())]
 
 
 def _hashes(folder: RunFolder) -> list[list[str]]:
@@ -205,7 +206,7 @@ def _hashes(folder: RunFolder) -> list[list[str]]:
 
 
 def _visible(value: Any) -> Any:
-    """Returns a value whose texts show their control characters."""
+    """Returns a value with visible control characters in its texts."""
     if isinstance(value, str):
         return visible(value)
     if isinstance(value, Mapping):

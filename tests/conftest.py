@@ -17,7 +17,8 @@ import numpy as np  # noqa: E402
 import pytest  # noqa: E402
 from activesuit.hysteresis import JilesAtherton  # noqa: E402
 from activesuit.identification import Curve  # noqa: E402
-from helpers import TABLE_2, sweep, without_figures  # noqa: E402
+from activesuit.scripts.folders import close_folders  # noqa: E402
+from helpers import TABLE_2, shorten_tasks, sweep, without_figures  # noqa: E402
 
 # The same examples in every run and process. To look for new ones: --hypothesis-profile=default.
 hypothesis.settings.register_profile("repeatable", derandomize=True)
@@ -36,6 +37,27 @@ def pytest_collection_finish(session):
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def this_machine(tmp_path_factory):
+    """Keeps notes of the files that this machine wrote out of the user's own notes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture
+def closed():
+    """Closes run folders after a test that opens them without a command."""
+    yield
+    close_folders()
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Episodes take 0.5 s instead of 10 s."""
+    shorten_tasks(monkeypatch, 0.5)
 
 
 @pytest.fixture

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
-from activesuit.scripts.main import COMMANDS, command_of, function_of
+from activesuit.scripts.commands import COMMANDS, function_of
+from activesuit.scripts.main import command_of
 from activesuit.scripts.options import parsed
 from activesuit.tools import examples as command_examples
 from activesuit.tools import tutorials

@@ -13,12 +13,9 @@ class Broken:
         raise RuntimeError
 
 
-def test_a_short_message_is_kept():
+def test_a_long_message_keeps_its_beginning_and_its_end():
     assert str(InputError("seed is -1: use at least 0")) == "seed is -1: use at least 0"
     assert str(InputError()) == ""
-
-
-def test_a_long_message_keeps_its_beginning_and_its_end():
     text = str(InputError(f"suit is {'x' * 3000}: give a name, a path, or 'none'"))
     assert len(text) == LONGEST
     assert text.startswith("suit is xxx")

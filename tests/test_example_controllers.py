@@ -32,8 +32,7 @@ def _from_the_root(monkeypatch):
 
 
 def made(name, options="", **scene):
-    policy, env = made_by(f"examples.controllers.{NAMES[name]}:{options}", **scene)
-    return policy, env
+    return made_by(f"examples.controllers.{NAMES[name]}:{options}", **scene)
 
 
 def test_admittance_renders_the_virtual_mass():

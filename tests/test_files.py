@@ -38,6 +38,8 @@ def test_permissions_are_kept(tmp_path, mode):
 
 
 def test_a_new_file_has_the_permissions_of_any_new_file(tmp_path):
+    with pytest.raises(InputError, match="choose a folder that exists"):
+        write_text(tmp_path / "none" / "a.txt", "")
     write_text(tmp_path / "a", "")
     (tmp_path / "b").touch()
     assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode
@@ -93,8 +95,3 @@ def test_a_killed_process_leaves_no_half_file(tmp_path):
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "a.txt")], check=False)
     (left,) = tmp_path.iterdir()
     assert left.name.startswith(SCRATCH)
-
-
-def test_a_folder_that_does_not_exist(tmp_path):
-    with pytest.raises(InputError, match="choose a folder that exists"):
-        write_text(tmp_path / "none" / "a.txt", "")

@@ -1,12 +1,10 @@
-"""A hysteresis model from outside the package: fit, suit file, engine, command line."""
+"""A hysteresis model from outside the package: fit and engine; test_extensions has its commands."""
 
-import json
 import math
 
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import load_suit
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
     MODELS,
@@ -22,11 +20,9 @@ from activesuit.identification import (
     fit_curves,
     measure,
     register_fit,
-    save_curves,
     select,
 )
 from activesuit.identification.fits.registry import FITS
-from activesuit.scripts.main import main
 from maxwell_slip import MaxwellSlip, fit_maxwell_slip
 
 TRUTH = MaxwellSlip(elastic=2.0, spring=20.0, limit=3.0)
@@ -130,18 +126,6 @@ def test_plain_mjcf_and_its_own_complaints():
     mujoco.MjModel.from_xml_string(text)
     with pytest.raises(ValueError, match="spring is '-1': a slider needs a number above 0"):
         mujoco.MjModel.from_xml_string(text.replace('value="20.0"', 'value="-1"'))
-
-
-@pytest.mark.slow
-def test_the_command_line_takes_it_from_curves_to_a_motion(curves, tmp_path, capsys):
-    save_curves(tmp_path / "elbow_flexion.csv", curves)
-    fit = str(tmp_path / "fit")
-    main(["identify", str(tmp_path / "elbow_flexion.csv"), "--model", "maxwell-slip", "--out", fit])
-    suit = tmp_path / "fit" / "suit.json"
-    assert load_suit(suit).joints["elbow_flexion"].model.name == "maxwell-slip"
-    capsys.readouterr()
-    main(["simulate", "--suit", str(suit), "--json", "--out", str(tmp_path / "motion")])
-    assert json.loads(capsys.readouterr().out)
 
 
 def test_what_is_no_model_is_refused():

@@ -7,21 +7,12 @@ import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import Clipped, model_from_dict
 from activesuit.identification import identify, load_curves
-from activesuit.scripts.main import COMMANDS, MOVED, OLD_OPTIONS, RENAMED, main
-
-
-@pytest.mark.parametrize("old", RENAMED)
-def test_old_commands(capsys, old):
-    with pytest.raises(SystemExit) as stop:
-        main([old, "--out", "here"])
-    assert stop.value.code == 2
-    said = capsys.readouterr().err
-    assert f"{old!r} was a name of version 0.2: write {RENAMED[old]!r} instead" in said
-    assert RENAMED[old] in COMMANDS
+from activesuit.scripts.main import main
+from activesuit.scripts.old_names import MOVED, OLD_OPTIONS
 
 
 @pytest.mark.parametrize("old", MOVED)
-def test_commands_that_are_programs_now(capsys, old):
+def test_old_commands(capsys, old):
     with pytest.raises(SystemExit) as stop:
         main([*old.split(), "--out", "here"])
     assert stop.value.code == 2

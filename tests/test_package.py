@@ -6,41 +6,31 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parent.parent
 
 
 def python(code):
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    return subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=clean,
-        cwd=ROOT.parent,
-    ).stdout
+    given = {"capture_output": True, "text": True, "env": clean, "cwd": ROOT.parent}
+    return subprocess.run([sys.executable, "-c", code], check=True, **given).stdout
 
 
-def test_import_is_light():
-    loaded = python("import activesuit, sys; print(sorted(sys.modules))")
-    for heavy in ("torch", "matplotlib", "numba", "scipy", "mujoco", "stable_baselines3"):
-        assert f"'{heavy}'" not in loaded
+MAKE = "import activesuit, gymnasium; gymnasium.make('ActiveSuit/ElbowFlexion-v0').reset(seed=0)"
 
 
-def test_environments_need_neither_torch_nor_matplotlib():
-    loaded = python(
-        "import gymnasium, activesuit, sys;"
-        "gymnasium.make('ActiveSuit/ElbowFlexion-v0').reset(seed=0);"
-        "print(sorted(sys.modules))"
-    )
-    for heavy in ("torch", "matplotlib", "stable_baselines3"):
-        assert f"'{heavy}'" not in loaded
-
-
-def test_identification_is_light():
-    loaded = python("import activesuit.identification, sys; print(sorted(sys.modules))")
-    for heavy in ("torch", "matplotlib", "mujoco", "pymoo", "cma"):
-        assert f"'{heavy}'" not in loaded
+@pytest.mark.parametrize(
+    ("code", "heavy"),
+    [
+        ("import activesuit", "torch matplotlib numba scipy mujoco stable_baselines3"),
+        (MAKE, "torch matplotlib stable_baselines3"),
+        ("import activesuit.identification", "torch matplotlib mujoco pymoo cma"),
+    ],
+)
+def test_slow_packages_are_not_imported(code, heavy):
+    loaded = python(f"{code}; import sys; print(*sys.modules)").split()
+    assert not {*heavy.split()} & {*loaded}
 
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")

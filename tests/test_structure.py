@@ -30,39 +30,18 @@ ALLOWED = {
 # Folders of the source repository that are not installed: speed, honesty and the readable models
 # that kernels are compared with; repeated papers; programs for developers.
 NOT_INSTALLED = {("benchmarks",), ("reproductions",), ("tools",)}
-ROOT_MODULES = {
-    "arrays",
-    "checks",
-    "table_files",
-    "units",
-    "errors",
-    "files",
-    "json_files",
-    "kernels",
-    "plots",
-    "published",
-    "tables",
-    "text",
-    "__init__",
-}
+ROOT_MODULES = {path.stem for path in ROOT.glob("*.py")}
 
 Name = tuple[str, ...]  # a module below `activesuit`: ("hysteresis", "registry")
 
 
 @dataclass(frozen=True)
 class Import:
-    """One `from ... import` of our own code.
+    """One import of our own code."""
 
-    Attributes:
-        target: Imported module; the `__init__` of a package.
-        name: Imported name; None for the module itself.
-        runs: Whether it ever runs, early or late; others are for type checkers.
-        line: Line of the statement.
-    """
-
-    target: Name
-    name: str | None
-    runs: bool
+    target: Name  # imported module; the `__init__` of a package
+    name: str | None  # imported name; None for the module itself
+    runs: bool  # whether the import ever runs; others are for type checkers
     line: int
 
 
@@ -215,9 +194,8 @@ def test_installed_modules_need_no_others():
     needed = [
         f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
         for name, path in sources().items()
-        if _is_installed(name)
         for one in imports(path)
-        if not _is_installed(one.target)
+        if _is_installed(name) and not _is_installed(one.target)
     ]
     assert not needed
 

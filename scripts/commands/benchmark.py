@@ -46,25 +46,25 @@ def benchmark(
 ) -> None:
     """Compare controllers over tasks, levels and suits.
 
-    `run` runs a suite, trial by trial; the same command again goes on where it stopped. `table`
-    merges results of several machines or people into one page. `compare` gives the paired
-    difference of the policies' relief to the first one. Options of the environment are for run;
-    their results have a contract of their own.
+    `run` runs a suite, trial by trial; the same command after an interruption runs the missing
+    trials. `table` merges results of several machines or people into one page. `compare` gives the
+    paired difference between the relief of each policy and of the first policy. Options of the
+    environment belong to `run`; results with such options have a contract of their own.
 
     Args:
         what: Whether to run a suite, make tables of results, or compare two policies.
         results: Files of results, or folders of runs, for table and compare.
-        policies: Policies with their options, instead of those of the suite (run). For compare:
-            names in the results, the first of which the others are compared with.
-        tasks: Names of tasks, instead of those of the suite (run).
-        levels: Names of levels, instead of those of the suite (run).
-        believed: Suits that controllers believe in, instead of those of the suite (run).
+        policies: Policies with their options, in place of the policies of the suite (run). For
+            compare: names in the results; the others are compared with the first name.
+        tasks: Names of tasks, in place of the tasks of the suite (run).
+        levels: Names of levels, in place of the levels of the suite (run).
+        believed: Suits that controllers believe in, in place of those of the suite (run).
         motions: Number of motions of each policy, at least 8 (run).
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
         out: Folder for results.jsonl, tables.md, report.html and the figure of profiles: a new or
-            an empty one, or that of the same benchmark, which goes on.
+            an empty folder, or the folder of the same benchmark, whose missing trials are run.
     """
     if what == "run":
         if results:
@@ -112,7 +112,7 @@ def _report(
 
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
-    """Opens the folder of a new benchmark, or of one that goes on."""
+    """Opens the folder of a benchmark, which may have trials already."""
     wanted, path = _plain(chosen), out / CONFIG
     present = read_json(path, "configuration of the benchmark") if path.exists() else None
     begun = present if isinstance(present, dict) and "contract" in present else {}
@@ -123,7 +123,7 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
             f"{str(out)!r} holds a benchmark whose {name} is {shown(begun.get(name))}, not "
             f"{shown(wanted.get(name))}: choose another --out, or go on with its own options"
         )
-    folder.json(CONFIG, wanted)  # the first file, by which the benchmark is known again
+    folder.json(CONFIG, wanted)  # the first file: it identifies the benchmark in a later run
     folder.subfolder(TRIALS)
     return folder
 
@@ -134,7 +134,7 @@ def _plain(chosen: Suite) -> dict[str, Any]:
 
 
 def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> Leaderboard:
-    """Returns all results: reads those on disk, and runs and writes the others one by one."""
+    """Returns all results: reads finished trials, and runs and writes the missing trials."""
     trials = chosen.trials
     found = {trial.file_name: _load(folder, chosen, trial) for trial in trials}
     missing = [trial for trial in trials if found[trial.file_name] is None]

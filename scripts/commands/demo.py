@@ -8,7 +8,7 @@ import numpy as np
 
 from ...assets import CURVES, Suit, curves_path, load_suit
 from ...checks import at_least, check_seed
-from ...envs.evaluation import FIRST_SEED, Evaluation, Trace, evaluate
+from ...envs.evaluation import FIRST_SEED, Evaluation, evaluate
 from ...envs.evaluation.figures import motion_plots
 from ...envs.evaluation.report import score_table
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
@@ -16,7 +16,7 @@ from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...envs.rendering import RenderingUnavailableError
 from ...hysteresis.parameter_table import parameter_table
-from ...identification import Certified, Curves, Fit, Search, Trial, fit_curves, load_curves
+from ...identification import Certified, Curves, Fit, Search, fit_curves, load_curves
 from ...identification.figures import COLUMNS, compared, convergence_plot, loop_rows, loops_plot
 from ...identification.report import fit_summary, quality_table, trial_columns
 from ...text import say
@@ -47,14 +47,14 @@ def demo(
 ) -> Report:
     """Do the whole job once: identify, simulate, compensate, report.
 
-    The curves are synthetic, made from the published parameters; see the README. Both suits, the
-    simulated one and that of the certified fits, come from the same curves, so this shows what a
-    good model is worth, and not that it is good.
+    The curves are synthetic, made from the published parameters; see the README. The simulated suit
+    and the suit of the certified fits come from the same curves, so the demo shows the value of a
+    good model, and does not show that the model is good.
 
     Args:
         out: Folder for suit.json, result.json, tables, figures and report.html: a new or an empty
-            one; by default runs/demo, or runs/demo-2, ...
-        trials: Number of runs of each swarm, of which the best counts; the paper has 30.
+            folder; by default runs/demo, or runs/demo-2, ...
+        trials: Number of runs of each swarm, of which the best run counts; the paper has 30.
 
     Returns:
         Tables, sentences, figures and plain values.
@@ -72,7 +72,12 @@ def demo(
         folder.json("fits.json", _summaries(fits, seed))
         folder.csv("trials.csv", *trial_columns(fits))
     suit = folder / "suit.json"
-    _identified_suit(fits).save(suit)
+    Suit.from_fits(
+        {joint: fits[name]["certified"] for name, joint in CURVES.items()},
+        name="demo",
+        description="Certified fits of the demo; abduction and wrist as assumed in mock-suit.",
+        base=load_suit(PLANT),
+    ).save(suit)
     kept = (
         f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
         f"activesuit validate {suit} --plant {PLANT} --motions {motions} --seed "
@@ -96,14 +101,9 @@ def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> 
     }
     runs = sum(method.trials for method in methods.values())
     with progress("identifying", runs * len(curves)) as bar:
-
-        def report(trial: Trial) -> None:
-            del trial
-            bar.advance()
-
         for name, family in curves.items():
             for label, method in methods.items():
-                fit = fit_curves(family, method=method, seed=seed, on_trial=report)
+                fit = fit_curves(family, method=method, seed=seed, on_trial=lambda _: bar.advance())
                 fits[name][label] = fit
                 if fit.interrupted:
                     raise KeyboardInterrupt
@@ -124,15 +124,6 @@ def _summaries(fits: Fits, seed: int) -> dict[str, Any]:
     }
 
 
-def _identified_suit(fits: Fits) -> Suit:
-    return Suit.from_fits(
-        {joint: fits[name]["certified"] for name, joint in CURVES.items()},
-        name="demo",
-        description="Certified fits of the demo; abduction and wrist as assumed in mock-suit.",
-        base=load_suit(PLANT),
-    )
-
-
 def _simulate(suit: Path, motions: int, seed: int) -> dict[str, Evaluation]:
     """Runs all policies on Earth and in microgravity."""
     found: dict[str, Evaluation] = {}
@@ -140,18 +131,13 @@ def _simulate(suit: Path, motions: int, seed: int) -> dict[str, Evaluation]:
         name: {"name": name, "suit": str(suit)} if name in BELIEVING else name for name in SIMULATED
     }
     with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * motions) as bar:
-
-        def report(policy: str, done: list[Trace]) -> None:
-            del policy
-            bar.advance(len(done))
-
         for gravity in GRAVITIES:
             found[gravity] = evaluate(
                 ENV,
                 policies,
                 motions=motions,
                 seed=FIRST_SEED + seed,
-                on_policy=report,
+                on_policy=lambda _, traces: bar.advance(len(traces)),
                 suit=PLANT,
                 gravity=gravity,
                 threads=0,
@@ -160,7 +146,7 @@ def _simulate(suit: Path, motions: int, seed: int) -> dict[str, Evaluation]:
 
 
 def _picture(seed: int) -> np.ndarray | None:
-    """Returns the person, the suit and the exoskeleton amid a motion; None without OpenGL."""
+    """Returns a picture of the arm in the middle of a motion; None without OpenGL."""
     env, arm = make_env(
         ENV, suit=PLANT, render_mode="rgb_array", width=1280, height=960, render_quality="fine"
     )

@@ -1,15 +1,15 @@
-"""`activesuit design`: writes the motion that is worth measuring next."""
+"""`activesuit design`: writes the motion that should be measured next."""
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
 from ...errors import InputError
 from ...files import check_target, replacing
 from ...identification import Motion, load_curves, motion_coverage, nested_motion, save_motion
-from ...identification.data.motions import MAX_RATE, MIN_RATE, SAMPLE_RATE, Design
+from ...identification.data.motions import MAX_RATE, MIN_RATE, SAMPLE_RATE
 from ..options import Force, Json, optional_number
 from ..writer import Report, conclude
 
@@ -29,15 +29,16 @@ def design(
 ) -> None:
     """Design the next record to measure: nested reversals at varied speed.
 
-    First-order curves do not identify loops inside loops, and curves at one rate do not tell
-    whether the torque depends on it. This one motion shows both; rig --motion measures it.
+    First-order curves do not identify loops inside loops, and curves at a single rate do not show
+    whether the torque depends on the rate. The designed motion shows both; rig --motion measures
+    the designed motion.
 
     Args:
-        curves: CSV file with the curves that have been measured, whose range the motion keeps.
-        range: Smallest and largest angle of the motion instead [rad].
+        curves: CSV file of the measured curves, whose range of angles the motion gets.
+        range: Smallest and largest angle of the motion, in place of those of the curves [rad].
         min_rate: Rate of the slowest branch [rad/s].
         max_rate: Largest rate of the joint [rad/s].
-        sample_rate: Samples in a second, at least [Hz].
+        sample_rate: Lowest number of samples in a second [Hz].
         out: New CSV file for the motion, with the columns time_s and angle_rad.
     """
     start, end = _ends(curves, range)
@@ -45,7 +46,14 @@ def design(
     found = nested_motion(start, end, min_rate=min_rate, max_rate=max_rate, sample_rate=sample_rate)
     with replacing(out, force=force) as scratch:
         save_motion(scratch, Motion(found.time, found.angle))
-    result = {"motion": out, **_summary(found)}
+    result = {
+        "motion": out,
+        "duration": found.duration,
+        "samples": found.time.size,
+        "points": found.points,
+        "branch_rates": found.rates,
+        **asdict(motion_coverage([Motion(found.time, found.angle)])),
+    }
     header = ["branch", "to [rad]", "rate [rad/s]"]
     rows = [
         [str(i), f"{point:.4g}", f"{rate:.3g}"]
@@ -68,7 +76,7 @@ def design(
 
 
 def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float, float]:
-    """Returns the angle where the motion begins and the other end of its range [rad]."""
+    """Returns the angle at which the motion begins, and the other end of its range [rad]."""
     if (curves is None) == (range is None):
         raise InputError("give a file of curves, or --range LOW HIGH in rad, and not both")
     if curves is None:
@@ -81,13 +89,3 @@ def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float
     low, high = family.angle_range
     nearer = abs(family.start_angle - low) <= abs(family.start_angle - high)
     return (low, high) if nearer else (high, low)
-
-
-def _summary(found: Design) -> dict[str, Any]:
-    return {
-        "duration": found.duration,
-        "samples": found.time.size,
-        "points": found.points,
-        "branch_rates": found.rates,
-        **asdict(motion_coverage([Motion(found.time, found.angle)])),
-    }

@@ -1,4 +1,4 @@
-"""`activesuit doctor`: checks an installation, and says how to mend what fails."""
+"""`activesuit doctor`: checks an installation, and says how to repair failures."""
 
 import os
 import platform
@@ -35,31 +35,23 @@ with mujoco.Renderer(model, 32, 32) as renderer:
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """One thing that was checked.
-
-    Attributes:
-        name: What it is.
-        ok: Whether it is there and works.
-        found: What was found, in words.
-        mend: How to mend it; empty if nothing fails.
-        needed: Whether the package cannot do without it.
-    """
+    """The check of one part of an installation."""
 
     name: str
     ok: bool
-    found: str
-    mend: str = ""
-    needed: bool = True
+    found: str  # result of the check, in words
+    mend: str = ""  # how to repair the part
+    needed: bool = True  # whether the package cannot work without the part
 
 
 def doctor(compile: bool = False, json: Json = False) -> None:
-    """Check this installation, and say how to mend what fails.
+    """Check this installation, and say how to repair failures.
 
-    It checks the versions of Python and packages, the cache of kernels, the MuJoCo plugins, and
-    whether pictures can be drawn. If something that is needed fails, the exit code is 2.
+    The checks are of the versions of Python and packages, the cache of kernels, the MuJoCo plugins,
+    and the drawing of pictures. If a part fails that the package needs, the exit code is 2.
 
     Args:
-        compile: Compile all kernels too, so that no later command waits for them.
+        compile: Compile all kernels too, so that no later command waits for a compilation.
     """
     checks = []
     for check in _checks(compile):
@@ -97,16 +89,11 @@ def _checks(compile: bool) -> Iterator[Check]:
     yield _pictures()
     for extra in about.get_all("Provides-Extra") or ():
         if extra not in NOT_FOR_USERS:
-            yield _extra(extra, [one for one in requirements if _is_of(one, extra)])
-
-
-def _is_of(requirement: Requirement, extra: str) -> bool:
-    marker = requirement.marker
-    return bool(marker) and marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
+            yield _extra(extra, requirements)
 
 
 def _version(requirement: Requirement) -> tuple[str | None, bool]:
-    """Returns the version that is installed, or None, and whether the version fits."""
+    """Returns the installed version, or None, and whether that version is allowed."""
     try:
         version = metadata.version(requirement.name)
     except metadata.PackageNotFoundError:
@@ -114,7 +101,13 @@ def _version(requirement: Requirement) -> tuple[str | None, bool]:
     return version, requirement.specifier.contains(version, prereleases=True)
 
 
-def _extra(extra: str, parts: list[Requirement]) -> Check:
+def _extra(extra: str, requirements: list[Requirement]) -> Check:
+    marked = [(one, one.marker) for one in requirements if one.marker]
+    parts = [
+        one
+        for one, marker in marked
+        if marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
+    ]
     missing = [one.name for one in parts if not _version(one)[1]]
     present = ", ".join(f"{one.name} {_version(one)[0]}" for one in parts)
     return Check(
@@ -127,10 +120,10 @@ def _extra(extra: str, parts: list[Requirement]) -> Check:
 
 
 def _tried(name: str, look: Callable[[], str]) -> Check:
-    """Returns a check that fails in any way that code can, as where a package is broken."""
+    """Returns a check that fails if `look` raises an error, as a broken package does."""
     try:
         return Check(name=name, ok=True, found=look())
-    except InputError as error:  # which importing the models raises too
+    except InputError as error:  # importing the models raises it, too
         return Check(name=name, ok=False, found="cannot be used", mend=str(error))
     except Exception as error:
         why = f"{type(error).__name__}: {error}"
@@ -158,43 +151,32 @@ def _kernels() -> str:
 
 
 def _pictures() -> Check:
-    """Tries every backend of OpenGL in a process of its own: MuJoCo reads its name at import."""
+    """Tries the backend of OpenGL, and the other backends if that backend does not draw."""
     asked = os.environ.get("MUJOCO_GL", "")
-    backends = dict.fromkeys([asked, *BACKENDS.get(sys.platform, ())])
-    running = {one: _drawing(one) for one in backends}
-    draws = {one: _draws(process) for one, process in running.items()}
-    others = [one for one, works in draws.items() if works and one not in ("", asked)]
     setting = f"MUJOCO_GL={asked}" if asked else "MUJOCO_GL is not set"
-    mend = ""
-    if not draws[asked]:
-        install = "on Linux run apt install libegl1; all but pictures works without"
-        mend = f"set MUJOCO_GL={others[0]}" if others else install
-    return Check(
-        name="OpenGL",
-        ok=draws[asked],
-        found=f"{'draws' if draws[asked] else 'does not draw'} off-screen ({setting})",
-        mend=mend,
-        needed=False,
-    )
+    ok, mend = _draws(asked), ""
+    if not ok:
+        others = (one for one in BACKENDS.get(sys.platform, ()) if one != asked and _draws(one))
+        other = next(others, None)
+        install = "on Linux run apt install libegl1; only pictures need it"
+        mend = f"set MUJOCO_GL={other}" if other else install
+    found = f"{'draws' if ok else 'does not draw'} off-screen ({setting})"
+    return Check(name="OpenGL", ok=ok, found=found, mend=mend, needed=False)
 
 
-def _drawing(backend: str) -> subprocess.Popen:
+def _draws(backend: str) -> bool:
+    """Returns whether a backend draws, in a new process: MuJoCo reads the name at its import."""
     environment = {name: value for name, value in os.environ.items() if name != "MUJOCO_GL"}
-    return subprocess.Popen(
-        [sys.executable, "-c", PICTURE],
-        env=environment | ({"MUJOCO_GL": backend} if backend else {}),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-
-
-def _draws(process: subprocess.Popen) -> bool:
     try:
-        shown, _ = process.communicate(timeout=PATIENCE)
+        done = subprocess.run(
+            [sys.executable, "-c", PICTURE],
+            env=environment | ({"MUJOCO_GL": backend} if backend else {}),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
     except subprocess.TimeoutExpired:
-        process.kill()
-        process.communicate()
         return False
-    return process.returncode == 0 and "drawn" in shown
+    return done.returncode == 0 and "drawn" in done.stdout

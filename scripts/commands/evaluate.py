@@ -15,14 +15,7 @@ from ..output import progress
 from ..scene import scene
 from ..writer import Report, conclude
 
-USUAL_POLICIES = (
-    "none",
-    "transparent",
-    "gravity",
-    "feedforward",
-    "compensation",
-    "best-known-plan",
-)
+USUAL_POLICIES = (*"none transparent gravity feedforward compensation best-known-plan".split(),)
 
 
 def evaluate(
@@ -37,21 +30,21 @@ def evaluate(
     json: Json = False,
     **options: Any,
 ) -> None:
-    """Compare assist policies by what the wearer has to do.
+    """Compare assist policies by the effort of the wearer.
 
-    Beside them are the same motions without suit and exoskeleton (unsuited) and without the
-    exoskeleton (suited). Relief is the share of the suit's cost that a policy gives back.
-    Trained policies are evaluated in the task, at the level and with the options that they were
-    trained with; --level chooses another level.
+    The same motions are simulated without suit and exoskeleton (unsuited), and with the suit alone
+    (suited). Relief is the share of the suit's cost that a policy gives back. Trained policies are
+    evaluated in the task, at the level and with the options of their training; --level chooses
+    another level.
 
     Args:
         policies: Names of policies and bounds, or folders of training runs, which must have the
             same options.
         seed: Seed of the first motion.
-        unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
-            who have repeated each motion until nothing is left to learn.
+        unadapted: Score wearers who have never worn suit and exoskeleton, in place of wearers who
+            have repeated each motion until they improve no more.
         out: Folder for result.json, the scores and the first motions as CSV, figures and
-            report.html: a new or an empty one.
+            report.html: a new or an empty folder.
     """
     at_least("motions", motions, 1)
     check_seed(seed)

@@ -25,7 +25,7 @@ from ..options import ENV, Force, choice, joints
 from ..output import table
 
 TOLERANCE = 1e-5  # largest difference between the model's outputs and those of the network
-OF_SUITS = {"joint", "pressure", "preconditioned", "allow_uncertified"}  # options that a suit has
+OF_SUITS = {"joint", "pressure", "preconditioned", "allow_uncertified"}  # options for suits
 JointName = Annotated[
     str | None, choice(joints, "Joint of the suit to export.", "all joints of the suit")
 ]
@@ -44,20 +44,21 @@ def export(
     """Export a policy as an ONNX model, or a suit or a policy as C code for a device.
 
     The ONNX model has the input observation and the output action; a network with an LSTM also has
-    the input memory and the output next_memory. Its metadata says what to observe. Before the file
-    is written, the outputs for 1,000 random observations are compared with those of the network.
+    the input memory and the output next_memory. The metadata of the model describe the observation.
+    Before the file is written, the outputs of model and network are compared for 1,000 random
+    observations.
 
     The C code is one C99 header. Its functions compute the resistance of a suit's joints at each
-    new angle, or the torques of the motors that a policy gives for the angles and rates of the arm.
+    new angle, or the motor torques of a policy for the angles and rates of the arm.
 
     Args:
-        what: Name of a shipped network, or folder of a training run or of `save_policy`, for
-            --onnx. Name or file of a suit for --c; or a policy that cancels what models say, also
-            with options (compensation:suit=elbow.json,lead=0.03) or as its file.
+        what: For --onnx: name of a shipped network, or folder of a training run or of
+            `save_policy`. For --c: name or file of a suit; or a policy that cancels modelled
+            torques, also with options (compensation:suit=elbow.json,lead=0.03) or as a file.
         onnx: Whether to write an ONNX model (needs the extra activesuit[onnx]).
         c: Whether to write C code.
-        out: New file; by default policy.onnx, or the name of suit or policy with .h. Its name
-            begins the names of the C functions.
+        out: New file; by default policy.onnx, or the name of suit or policy with .h. The names of
+            the C functions begin with the name of the file.
     """
     if onnx == c:
         raise InputError(
@@ -77,7 +78,7 @@ def export(
 
 
 def is_policy(what: str) -> bool:
-    """Returns whether a text means a policy, and not a suit."""
+    """Returns whether a text names a policy; other texts name a suit."""
     if is_saved(what):
         content = read_json(what, "suit or policy")
         return isinstance(content, dict) and "joints" not in content and "name" in content
@@ -85,7 +86,7 @@ def is_policy(what: str) -> bool:
 
 
 def refuse(given: dict[str, object], known: set[str], what: str) -> None:
-    """Refuses options that change nothing in what is exported."""
+    """Refuses options without an effect on the exported file."""
     for name, value in given.items():
         if value is not None and name not in known:
             option = f"--{name.replace('_', '-')}"
@@ -129,7 +130,7 @@ def export_policy(what: str, arm: Mapping[str, Any], out: Path | None, force: bo
 
 
 def write_header(text: str, parts: list[Part], out: Path, force: bool) -> None:
-    """Writes a header, and prints the memory that its parts need."""
+    """Writes a header, and prints the memory of its parts."""
     with replacing(out, force=force) as scratch:
         scratch.write_text(text, encoding="ascii")
     columns = [(kind, i) for i in range(2) for kind in BYTES]
@@ -164,7 +165,7 @@ def export_network(policy: Path, out: Path, force: bool) -> None:
             f"--onnx needs a package that is not installed ({error}): run "
             f"{install_line('onnx')} in the clone of the repository"
         ) from error
-    with np.errstate(all="ignore"):  # what is too large for 32 bits differs
+    with np.errstate(all="ignore"):  # an overflow in 32 bits shows as a difference below
         model = onnx_model(card, network)
         found = differences(model, network)
     for runtime, difference in found.items():

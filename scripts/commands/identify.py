@@ -10,7 +10,7 @@ import tyro
 
 from ...assets import Suit, load_suit
 from ...errors import InputError, shown
-from ...identification import Corrections, Identification, load_curves
+from ...identification import Corrections, load_curves
 from ...identification import identify as identify_curves
 from ...identification.fit_curves import NONE
 from ...identification.fits.objective import InitialTorque, Loss, Normalize
@@ -25,13 +25,13 @@ from ..options import Force, Json, Seed, Use, choice, joints, named_values, opti
 from ..output import progress
 from ..writer import Report, conclude
 
-NOT_DESCRIBED = 3  # exit code; also where the tare that was to be fitted is not determined
-SAMPLES = 20  # further models in a suit file
+NOT_DESCRIBED = 3  # exit code of a model that fails, and of a tare that is not determined
+SAMPLES = 20  # number of further models in a suit file
 _METHOD = (
     "Method of the fit: certified finds a model that is safe to simulate; auto finds the simplest "
-    "of all models that predicts curves left out of its fit; magnetic finds the form of "
-    "Jiles-Atherton for magnetization over a field; the others are the papers' swarms and "
-    "optimizers of extensions."
+    "model that predicts curves left out of its fit; magnetic finds the form of Jiles-Atherton for "
+    "magnetization over a field; the other methods are swarms of the papers and optimizers of "
+    "extensions."
 )
 
 
@@ -73,43 +73,45 @@ def identify(
 ) -> None:
     """Identify a hysteresis model from measured angle-torque curves.
 
-    Curves with role "predict" are kept out of the fit and used to test it. The verdict says whether
-    the model describes the curves; if it does not, or if the curves do not determine the tare that
-    was to be fitted, all is written and the exit code is 3.
+    Curves with role "predict" are kept out of the fit and test the model. The verdict says whether
+    the model describes the curves. The exit code is 3, and all files are written, if the model does
+    not describe the curves, or if the curves do not determine a tare that --tare fit asks for.
 
     Args:
         curves: Files of curves: CSV with the columns curve, angle_rad (or angle_deg), torque_nm,
             and optionally role (fit or predict), weight, and time_s; or tables of a rig, whose
-            separator, decimal mark, columns and units are found where the header names them.
-        columns: Names in the header, or numbers from 1 on, of columns that are not found, as
+            separator, decimal mark, columns and units are found from the header.
+        columns: Columns that the header does not show, by name or by number from 1 on, as
             angle="Winkel 1 [Grad]" torque=3: angle, torque, time, curve, role, weight.
-        units: Units that the header does not name, as angle=deg torque="0.5 Nm/V" time=ms.
-        decimal: Decimal mark of the numbers, where they leave it open: . or ,
-        model: Hysteresis model to fit, jiles-atherton by default; asymmetric is the same beside a
-            polynomial. The method certified has all models, the other methods only jiles-atherton.
+        units: Units that the header does not show, as angle=deg torque="0.5 Nm/V" time=ms.
+        decimal: Decimal mark of the numbers, for numbers that do not show the mark: . or ,
+        model: Hysteresis model to fit, jiles-atherton by default; asymmetric adds a polynomial to
+            jiles-atherton. The method certified fits all models, the other methods only
+            jiles-atherton.
         objective: Quantity that a swarm or optimizer minimizes: nrmse (by default), paper (eq. 7
             of Li et al. 2022), sse, or robust (against outliers).
-        normalize: Torque that divides the errors of the objective: the largest one of the family
-            (by default) or of each curve.
+        normalize: Torque that divides the errors of the objective: the largest torque of the
+            family (by default) or of each curve.
         initial_torque: Torque with which each curve begins: a number in N·m (by default 0),
             measured (the first sample of the curve) or identified (one number for all curves).
-            Only jiles-atherton has this choice; the fits of other models identify it.
+            Only jiles-atherton has this choice; the fits of other models identify the torque.
         fix: Parameter that keeps a value, as c=1.2, in the units of the table of the result (angles
-            of jiles-atherton in degrees); give the option again for another one.
+            of jiles-atherton in degrees); give the option again for another parameter.
         bound: Lower and upper bound of a parameter, as k=1:50; k=1: and k=:50 have one bound.
-        trials: Number of independent runs, of which the best counts; by default 1 for certified
+        trials: Number of independent runs, of which the best run counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
         samples: Number of further models in suit.json that the curves allow too, for `validate` and
-            to randomize the simulation with; the uncertainty of the parameters is shown as well.
-            They have other noise, and where the curves limit them, another offset of the sensor
-            and another damping; a line below the verdict says what they lack. With the method auto
-            they are of all models that predict nearly as well as the best.
-        joint: Joint on which the curves were measured; by default the file name tells it
+            for the randomization of simulations; the uncertainty of the parameters is shown as
+            well. The samples differ in noise and, where the curves limit these, in the offset of
+            the sensor and in the damping; a line below the verdict names effects without samples.
+            With the method auto the samples are of all models that predict nearly as well as the
+            best model.
+        joint: Joint on which the curves were measured; by default the joint in the file name
             (elbow.csv).
-        base: Suit whose other joints suit.json takes over; by default it has this joint only.
+        base: Suit that gives the other joints of suit.json; by default suit.json has one joint.
         out: Folder for suit.json, result.json, trials.csv, report.html and the loops as PNG and
-            SVG: a new or an empty one.
+            SVG: a new or an empty folder.
     """
     if not curves:
         raise InputError("there is no file of curves: give at least one")
@@ -144,8 +146,15 @@ def identify(
     label = joint or Path(family.source).stem
     answer = found.sentences()
     if folder and joint:
-        suit = _found_suit(found, joint, curves[0].stem, others)
-        suit.save(folder / "suit.json")
+        drawn = found.uncertainty.samples if found.uncertainty else ()
+        Suit.from_fits(
+            {joint: found.fit},
+            name=curves[0].stem,
+            description=found.description,
+            base=others,
+            samples={joint: drawn},
+            left_open={joint: found.left_open},
+        ).save(folder / "suit.json")
         if others is None:
             name = joint.replace("_", " ")
             answer.append(f"suit: it resists {name} only; --base mock-suit adds the other joints")
@@ -197,7 +206,7 @@ def _number(option: str, name: str, text: str) -> float:
 
 
 def _check_suit_file(out: Path | None, base: str | None, method: str | None) -> None:
-    """Refuses a suit file of what is no joint, and the joints of another suit without a file."""
+    """Refuses a suit file of a magnetic model, and --base without a suit file."""
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     if out and method == Magnetic.name:
@@ -205,16 +214,3 @@ def _check_suit_file(out: Path | None, base: str | None, method: str | None) -> 
             f"out is {shown(str(out))}: a suit file has joints, which a model of magnetics drives; "
             "leave it out, and take the result from --json"
         )
-
-
-def _found_suit(found: Identification, joint: str, name: str, others: Suit | None) -> Suit:
-    """Returns the suit of an identified joint, beside the other joints of another suit."""
-    samples = found.uncertainty.samples if found.uncertainty else ()
-    return Suit.from_fits(
-        {joint: found.fit},
-        name=name,
-        description=found.description,
-        base=others,
-        samples={joint: samples},
-        left_open={joint: found.left_open},
-    )

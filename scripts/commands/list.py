@@ -1,16 +1,16 @@
-"""`activesuit list`: suits, tasks and policies; or one of them, a suit with its checks."""
+"""`activesuit list`: lists suits, tasks or policies, or shows one of them; checks a suit."""
 
 import math
 import os
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import tyro
 
 from ...assets import Suit, SuitJoint, load_suit, suit_names
+from ...assets.suit_joints import is_safe
 from ...errors import InputError, unknown_name
 from ...hysteresis import HysteresisModel, PoleError
-from ...hysteresis.certificate import ALL_ANGLES
 from ...hysteresis.parameter_table import parameter_table
 from ...text import say
 from ..folders import to_json
@@ -19,13 +19,11 @@ from ..options import policies as known_policies
 from ..options import suits as known_suits
 from ..output import table
 
-if TYPE_CHECKING:
-    from ...envs.tasks import Task
-
 LOSS_FACTOR = (
-    "loss factor: what one steady cycle over the joint's range dissipates, over the work that goes "
-    "into the joint in it. It rests on the fit of the mock suit's published loops and on no "
-    "measurement of a pressurized suit; a gas alone gives all of P dV/dtheta back, which is 0."
+    "loss factor: energy that one steady cycle over the joint's range dissipates, over the work "
+    "that goes into the joint in the cycle. The factor comes from the fit of the mock suit's "
+    "published loops, and from no measurement of a pressurized suit. A gas alone gives all work "
+    "P dV/dtheta back, and has the factor 0."
 )
 
 
@@ -34,9 +32,9 @@ def suits(
     /,
     json: Json = False,
 ) -> None:
-    """List the shipped suits, or show and check one.
+    """List the shipped suits, or show and check one suit.
 
-    If it is not safe to simulate, the exit code is 2.
+    If the suit is not safe to simulate, the exit code is 2.
 
     Args:
         name: Name of a shipped suit, or path of a suit file.
@@ -118,13 +116,13 @@ def _column(entry: SuitJoint) -> dict[str, str]:
         "samples": str(len(torques)),
         "their torque there [N·m]": f"{torques[0]:.2f} .. {torques[-1]:.2f}" if torques else "-",
         "certificate margin": f"{entry.model.certificate().margin:.3f}",
-        "safe in its range": "yes" if _is_safe(entry.model, entry.range) else "NO",
+        "safe in its range": "yes" if is_safe(entry.model, entry.range) else "NO",
         "safe to simulate": "NO" if _problem(entry) else "yes",
     }
 
 
 def _end_torque(entry: SuitJoint, model: HysteresisModel) -> float:
-    """Returns the resistance [N·m] when first bent to the end of the range."""
+    """Returns the resistance of a new joint at the end of the range [N·m]."""
     try:
         return entry.response([entry.range[1]], model)[0]
     except PoleError:
@@ -132,7 +130,7 @@ def _end_torque(entry: SuitJoint, model: HysteresisModel) -> float:
 
 
 def _loss_factor(entry: SuitJoint) -> float | None:
-    """Returns the share of the loading work that a steady cycle dissipates, or None without one."""
+    """Returns the loss factor of a joint; None if the joint has no steady cycle."""
     try:
         return entry.steady_cycle().loss_factor
     except (InputError, PoleError):
@@ -142,7 +140,7 @@ def _loss_factor(entry: SuitJoint) -> float | None:
 def _problem(entry: SuitJoint) -> str | None:
     """Returns the reason why a joint is not safe to simulate, or None."""
     model = entry.model
-    if not _is_safe(model):
+    if not is_safe(model):
         certificate = model.certificate()
         return (
             f"has certificate margin {certificate.margin:.3g} and dissipative = "
@@ -156,17 +154,12 @@ def _problem(entry: SuitJoint) -> str | None:
     return None
 
 
-def _is_safe(model: HysteresisModel, span: tuple[float, float] = ALL_ANGLES) -> bool:
-    certificate = model.certificate(span)
-    return certificate.certified and certificate.dissipative
-
-
 def tasks(
     name: Annotated[str | None, choice(shipped_tasks, usual="all"), tyro.conf.Positional] = None,
     /,
     json: Json = False,
 ) -> None:
-    """List the tasks, or say what one is.
+    """List the tasks, or describe one task.
 
     Args:
         name: Name of a task.
@@ -178,7 +171,13 @@ def tasks(
         raise unknown_name("task", name, TASKS)
     chosen = {one: task for one, task in TASKS.items() if name in (None, one)}
     if json:
-        print(to_json({one: _task(f"{OURS}{one}-v0", task) for one, task in chosen.items()}))
+        texts = ("place", "about", "source", "rule")
+        found = {
+            one: {**asdict(task), "id": f"{OURS}{one}-v0"}
+            | {name: getattr(task, name) for name in texts}
+            for one, task in chosen.items()
+        }
+        print(to_json(found))
         return
     rows = [
         [f"{OURS}{one}-v0", f"{task.duration:g} s", task.place, task.about]
@@ -187,11 +186,6 @@ def tasks(
     table("tasks", ["id", "duration", "place", "motion and load"], rows)
     for one, task in chosen.items():
         say(f"{one} succeeds with {task.rule}. Source: {task.source}.")
-
-
-def _task(id: str, task: "Task") -> dict[str, Any]:
-    said = {one: getattr(task, one) for one in ("place", "about", "source", "rule")}
-    return {**asdict(task), "id": id, **said}
 
 
 def policies(
@@ -206,14 +200,17 @@ def policies(
     """
     from ...envs.evaluation import BOUNDS
     from ...envs.policies import POLICIES
+    from ...envs.policies.registry import PolicyKind
     from ...envs.policies.trained import shipped_policies
 
-    found = {one: _policy(one) for one in (*POLICIES, *shipped_policies())}
-    if name is not None and name not in found:
-        if not os.path.isdir(name):
-            raise unknown_name("policy", name, known_policies())
-        found[name] = _policy(name)
-    found = {one: about for one, about in found.items() if name in (None, one)}
+    names = [*POLICIES, *shipped_policies()]
+    if name is not None and name not in names and not os.path.isdir(name):
+        raise unknown_name("policy", name, known_policies())
+    found = {}
+    for one in names if name is None else [name]:
+        kind = PolicyKind.of(one)
+        needed = {"sensors": [*kind.needs["sensors"]], "options": [*kind.options]}
+        found[one] = {"does": kind.about, **needed}
     if json:
         print(to_json(found))
         return
@@ -227,11 +224,3 @@ def policies(
         "guard=true."
     )
     say(f"evaluate also takes the bounds {' and '.join(BOUNDS)}, which know the whole motion.")
-
-
-def _policy(name: str) -> dict[str, Any]:
-    from ...envs.policies.registry import PolicyKind
-
-    kind = PolicyKind.of(name)
-    sensors = list(kind.needs["sensors"])
-    return {"does": kind.about, "sensors": sensors, "options": list(kind.options)}

@@ -1,4 +1,4 @@
-"""`activesuit rig`: measures a simulated suit joint as the paper measured a real one."""
+"""`activesuit rig`: measures a simulated suit joint as the paper measured a real joint."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -41,25 +41,25 @@ def rig(
 
     Args:
         joint: Joint of the suit that is measured.
-        motion: CSV file with the columns time_s and angle_rad of a motion to measure in place of
-            first-order curves, as `activesuit design` writes it; the motor goes from
+        motion: CSV file of a motion that is measured in place of first-order curves, with the
+            columns time_s and angle_rad, as `activesuit design` writes it. The motor goes from
             reversal to reversal at the mean rate of each branch, from 0.01 to 0.5 rad/s.
-        turns: Angles at which the curves turn back [rad]; by default those of the paper for
+        turns: Angles at which the curves turn back [rad]; by default the angles of the paper for
             shoulder and elbow, and fifths of the range for other joints.
-        predict: Turns [rad] whose curves are kept out of a fit, to test it; by default the second,
-            the fourth, ... but not the last.
-        start_angle: Angle at which the curves begin and end [rad]; by default the one at which the
-            suit's memory begins.
+        predict: Turns [rad] whose curves are kept out of a fit, to test the model; by default the
+            second, the fourth, ... but not the last.
+        start_angle: Angle at which the curves begin and end [rad]; by default the start angle of
+            the joint in the suit.
         repeats: Number of times that each curve goes to its turn and back.
         rate: Speed of the joint [rad/s], from 0.01 to 0.5.
         sample_rate: Sampling rate of the sensors [Hz], from 1 to 1000.
         noise: Standard deviation of the torque sensor's noise [N·m].
         drift: Drift of the torque sensor since the beginning of a curve [N·m/s].
-        torque_resolution: Resolution of the torque sensor [N·m]; by default it has no steps.
-        angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
+        torque_resolution: Step of the torque sensor [N·m]; by default there are no steps.
+        angle_resolution: Step of the encoder [rad]; by default there are no steps.
         bearing_friction: Friction of the bearings [N·m].
         out: Folder for the curves (JOINT.csv), result.json, report.html and the loops as PNG and
-            SVG: a new or an empty one.
+            SVG: a new or an empty folder.
     """
     pairs: tuple[tuple[float, float], ...] = ()
     if motion:
@@ -116,7 +116,7 @@ def rig(
 
 
 def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[float]:
-    """Returns the turns whose curves test a fit."""
+    """Returns the turns of the curves that are kept out of a fit."""
     if predict is None:
         return sorted(turns)[1:-1:2]
     listed = ", ".join(f"{turn:g}" for turn in turns)

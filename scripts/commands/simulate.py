@@ -27,10 +27,11 @@ def simulate(
 ) -> None:
     """Simulate one assisted arm motion, headless.
 
-    The wearer has learned nothing of suit and exoskeleton yet.
+    The wearer has not adapted to suit and exoskeleton.
 
     Args:
-        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one.
+        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty
+            folder.
     """
     check_seed(seed)
     chosen = scene(options, policies=(policy,), trusted=trust)

@@ -18,7 +18,7 @@ from ..training.request import MOST_ROWS, TrainingRequest
 from ..training.seeds import HIGHEST, seeds_of, train_all
 
 MOST_STEPS = 10**11
-OF_TRAINING = (*OBSERVATION, "level", "reward", "randomize")  # what a card has for itself
+OF_TRAINING = (*OBSERVATION, "level", "reward", "randomize")  # own entries of a card
 
 
 def train(
@@ -43,36 +43,35 @@ def train(
 ) -> Path:
     """Train an assist policy with Stable-Baselines3.
 
-    The folder is a policy: policy.safetensors and policy.json, which run no code, are all that
-    others need of it. Ten times a run the policy is evaluated, and the best one is kept; the
-    learner itself is in model.zip for --resume. Ctrl-C keeps what was learned; --resume goes on
-    from there, with the options of the run. The commands that take a policy take the folder, and
-    simulate with these options too. By default the task is ElbowFlexion; what --randomize
-    draws is of the training alone, and evaluations have the suit of the scene.
+    The folder of the run is a policy for other commands, which simulate with the options of the
+    run. To pass the policy on, copy policy.safetensors and policy.json, which run no code. The
+    policy is evaluated ten times during a run, and the best policy is kept; model.zip has the
+    learner for --resume. After Ctrl-C the learner is kept, and --resume continues the training with
+    the options of the run. By default the task is ElbowFlexion. --randomize changes the training
+    alone, and evaluations have the given suit.
 
     Args:
         algo: Learning algorithm: PPO or SAC of Stable-Baselines3, TQC or RecurrentPPO (a network
             with memory) of sb3-contrib.
-        steps: Number of environment steps in total, including those before a resume; PPO rounds it
-            up to whole updates.
+        steps: Number of environment steps in total, including steps before a resume; PPO rounds
+            the number up to whole updates.
         rows: Number of arms that are simulated together.
-        hyperparameters: YAML file in the syntax of rl-zoo3, with what differs from the usual
-            hyperparameters.
+        hyperparameters: YAML file in the syntax of rl-zoo3, with hyperparameters that replace the
+            usual hyperparameters.
         residual: Policy that the network corrects: action = policy + scale x network. The network
             begins at zero, and observes the action of the policy.
         residual_scale: Scale of the correction.
         teacher: Policy whose actions the network learns to repeat from its own sensors, in place of
-            reinforcement learning; it may need other sensors.
-        motions: Number of motions in the evaluation at each checkpoint, at least 8; 0 for none.
-        patience: Number of evaluations without a better one after which the training ends.
+            reinforcement learning; the teacher may need other sensors.
+        motions: Number of motions in each evaluation, at least 8; 0 for no evaluations.
+        patience: Number of evaluations without an improvement after which the training ends.
         seeds: Seeds of several trainings, as 0-9 or 0,3,5, each in a folder of its own.
         workers: Number of trainings at once, with --seeds.
-        torch_threads: Number of threads that torch computes with; with networks of this size more
-            than one costs time.
-        out: Folder of the run: a new or an empty one, or with --resume that of an earlier train.
-        resume: Go on with the run in that folder.
-        trust: Resume a run that you did not train on this machine, although that runs whatever code
-            its files hold; no other command runs any.
+        torch_threads: Number of threads of torch; networks of this size are slower with several.
+        out: Folder of the run: a new or an empty folder, or with --resume the folder of a run.
+        resume: Continue the run in that folder.
+        trust: Resume a run that you did not train on this machine, although resuming runs the code
+            in its files; no other command runs that code.
 
     Returns:
         The folder, which is the name of the policy; its result.json has all evaluations.
@@ -120,14 +119,14 @@ def train(
 
 
 def _lists(given: Any) -> Any:
-    """Returns options as JSON would give them back."""
+    """Returns options with lists in place of tuples, as after reading JSON."""
     if isinstance(given, dict):
         return {name: _lists(one) for name, one in given.items()}
     return list(given) if isinstance(given, tuple) else given
 
 
 def _portable(given: dict[str, Any]) -> dict[str, Any]:
-    """Returns options in which a file of a believed suit is its content."""
+    """Returns options with the content of a suit file in place of the path of a believed suit."""
     belief = given.get("belief")
     if not isinstance(belief, dict) or not isinstance(belief.get("suit"), str):
         return given

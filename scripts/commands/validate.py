@@ -1,4 +1,4 @@
-"""`activesuit validate`: a believed suit against the true one, first its torque, then relief."""
+"""`activesuit validate`: compares a believed suit with the true suit, by torque and relief."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -38,27 +38,27 @@ def validate(
 ) -> None:
     """Validate an identified suit model in closed loop.
 
-    `activesuit validate my-suit.json` tells how well a controller works that has the model of one
-    identified suit: the true suit of each motion is drawn among the model and its samples, which
-    the curves allow too (`activesuit identify` writes them). With --plant the controller believes
-    one suit and the simulated arm wears another: the error of the believed torque along the motions
-    decides the verdict, and relief stands beside that by the same controller with the true model.
-    By default there is no gravity, so that only the suit's torque remains. Several suits or plants
-    make a matrix.
+    `activesuit validate my-suit.json` shows how well a controller works with the model of one
+    identified suit: the true suit of each motion is drawn from the model and its samples, which the
+    curves allow too (`activesuit identify` writes the samples). With --plant the controller
+    believes one suit and the simulated arm wears another suit. The error of the believed torque
+    along the motions decides the verdict; relief is compared with the relief of the same controller
+    with the true model. By default there is no gravity, so that only the suit's torque remains.
+    Several suits or plants make a matrix.
 
     Args:
-        suits: Suits that the controller believes: names of shipped ones, or paths of suit files.
-        plant: Suits that are simulated: names of shipped ones, or paths of suit files; by default
-            the one suit that is believed, with its samples.
-        policy: Policy, with its options; one of your own as MODULE:CLASS. It believes the suits if
-            it takes the option `suit`.
-        samples: Simulate PLANT's own model or one of its samples, drawn anew for each motion.
+        suits: Suits that the controller believes: names of shipped suits, or paths of suit files.
+        plant: Suits that are simulated: names of shipped suits, or paths of suit files; by default
+            the believed suit with its samples.
+        policy: Policy, with its options, or MODULE:CLASS of your own. The policy believes the suits
+            if it has the option `suit`.
+        samples: Simulate the model of PLANT or one of its samples, drawn anew for each motion.
         held_out: CSV files of measured curves: predict their torque, and simulate nothing.
-        joint: Joint on which these curves were measured; by default the file name tells it
+        joint: Joint on which these curves were measured; by default the joint in the file name
             (elbow.csv).
         seed: Seed of the first motion.
         out: Folder for result.json, the first motions, report.html, and the matrix as PNG and SVG:
-            a new or an empty one.
+            a new or an empty folder.
     """
     if not suits:
         raise InputError("no suit is given: name one that the controller believes")
@@ -101,7 +101,7 @@ def validate(
 def _predicted(
     suits: tuple[str, ...], files: tuple[Path, ...], joint: str | None
 ) -> CurvePrediction:
-    """Returns what suits predict of measured curves."""
+    """Returns the errors of suits on measured curves."""
     once("suits", suits)
     found: dict[str, dict[str, list[CurveError]]] = {}
     notes = []

@@ -1,18 +1,17 @@
 """`activesuit view`: shows the moving arm in a window, as a film or as a picture."""
 
-import itertools
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import chain, count
 from pathlib import Path
 from typing import Annotated, Any
 
-import gymnasium
 import numpy as np
 
 from ...checks import check_seed
 from ...envs.extras import DRAWINGS
 from ...envs.making import make_env
-from ...envs.policies import Policy, make_policy, needed_options
+from ...envs.policies import make_policy, needed_options
 from ...envs.rendering import QUALITIES, RenderingUnavailableError
 from ...errors import InputError
 from ...files import check_target, replacing
@@ -43,17 +42,17 @@ def view(
 ) -> None:
     """Watch the assisted arm move in a window; film or picture it.
 
-    Each next motion has the next seed.
+    In a window each motion is followed by the motion of the next seed.
 
     Args:
-        film: File name of a film of one motion with its loops instead, ending with .gif or .mp4
-            (which needs the extra activesuit[video]); no display is needed.
-        snapshot: File name, ending with .png, of a picture of the beginning of the motion instead;
-            no display is needed.
+        film: File name of a film of one motion with its loops, in place of a window; the name ends
+            with .gif or .mp4 (mp4 needs the extra activesuit[video]). No display is needed.
+        snapshot: File name of a picture of the beginning of the motion, in place of a window; the
+            name ends with .png. No display is needed.
         camera: Camera of film and picture: overview, front, side, elbow, cuffs or follow.
         size: Width and height of film or picture [pixels].
         quality: Quality of the pictures: fine has shadows, smooth edges and reflections, and takes
-            a second a picture without a graphics card.
+            a second for each picture without a graphics card.
     """
     check_seed(seed)
     if draw is not None and snapshot:
@@ -76,15 +75,18 @@ def view(
     if draw is not None:
         simulated.renderer.beside = DRAWINGS.find(draw)(simulated.episodes.simulation)
     if path:
+        from matplotlib.image import imsave
+
         with replacing(path, force=force) as scratch:
             if write:
                 write(scratch, *filmed(made, simulated, actor, seed, panel))
             else:
-                _take_picture(made, seed, scratch)
+                made.reset(seed=seed)
+                imsave(scratch, np.asarray(made.render()), format="png")
         say(f"wrote {path}")
     else:
         with suppress(KeyboardInterrupt):
-            _open_window(_motions(made, actor, seed))
+            _open_window(chain.from_iterable(episode(made, actor, one) for one in count(seed)))
     made.close()
 
 
@@ -110,12 +112,6 @@ def _checked_size(size: tuple[int, int] | None, film: Path | None) -> tuple[int,
     return size or usual
 
 
-def _motions(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[Any]:
-    """Runs episodes without end; yields after each reset and after each step."""
-    for one in itertools.count(seed):
-        yield from episode(env, policy, one)
-
-
 def _open_window(motion: Iterator[Any]) -> None:
     try:
         next(motion)
@@ -127,10 +123,3 @@ def _open_window(motion: Iterator[Any]) -> None:
     with suppress(RenderingUnavailableError):  # when the window is closed
         for _ in motion:
             pass
-
-
-def _take_picture(env: gymnasium.Env, seed: int, path: Path) -> None:
-    from matplotlib.image import imsave
-
-    env.reset(seed=seed)
-    imsave(path, np.asarray(env.render()), format="png")

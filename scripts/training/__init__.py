@@ -1,1 +1,1 @@
-"""Training of policies: learners, their checkpoints, evaluations between, and distillation."""
+"""Training of policies: learners, checkpoints, evaluations during a training, distillation."""

@@ -1,8 +1,9 @@
-"""Distillation: a network learns to repeat the actions of a teacher from sensors of its own.
+"""Distillation: a student network learns to repeat the actions of a teacher from its own sensors.
 
-In the first round the teacher acts, then the student acts and the teacher says what it would have
-done, so that the student learns from the states that its own mistakes lead to.
-Source: Ross, Gordon and Bagnell 2011, AISTATS (DAgger), with the last rounds in place of all.
+In the first round the teacher acts. In later rounds the student acts, and the samples have the
+actions that the teacher would have chosen, so that the student learns in states after its own
+mistakes. Source: Ross, Gordon and Bagnell 2011, AISTATS (DAgger), here with the samples of the last
+rounds in place of all samples.
 """
 
 import io
@@ -32,17 +33,17 @@ USUAL: dict[str, Any] = {"rows": 64, "steps": 1_000_000}
 LAYERS = (64, 64)
 LAST = 5  # rounds whose samples are kept
 EPOCHS, BATCH, RATE = 4, 1024, 1e-3
-EVERY = 5  # evaluations of a training
+EVALUATED = 5  # number of evaluations of a training
 Samples = tuple[NDArray[np.float32], NDArray[np.float32]]
-"""What a student saw, and what its teacher would have done."""
+"""Observations of a student, and the actions that the teacher chooses for the same states."""
 
 
 def distill(run: Run) -> int:
     """Trains a student; returns the number of steps.
 
-    There is a checkpoint after each round. A round begins with new episodes, whose seeds follow
-    from its number as those of torch do, and with a teacher that has forgotten the last ones. So
-    what the next rounds depend on is the network, its optimizer and the kept samples.
+    A checkpoint is written after each round. It has the network, the optimizer and the samples,
+    which suffice to continue: a round begins with new episodes and a teacher without memory, and
+    all random numbers of a round follow from the seed and the number of the round.
     """
     env, training = run.card.environment["env"], run.card.training
     own = {name: training[name] for name in ("randomize",) if name in training}
@@ -58,7 +59,7 @@ def distill(run: Run) -> int:
     with progress(f"student of {teacher} on {env}", rounds) as bar:
         while True:
             done = student.rounds
-            due = done >= rounds or (done > 0 and done % max(1, rounds // EVERY) == 0)
+            due = done >= rounds or (done > 0 and done % max(1, rounds // EVALUATED) == 0)
             if due and (done * size > evaluations.last or not evaluations.wanted):
                 evaluations.add(done * size, student.network())
             if done >= rounds:
@@ -72,7 +73,7 @@ def distill(run: Run) -> int:
 
 
 class _Lesson:
-    """Rows of arms that show both a student and its teacher what each may see."""
+    """Rows of arms that a student and its teacher observe, each with its own sensors."""
 
     def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:
         theirs = {**options, **{"history": 1}, **needed_options(teacher)}
@@ -99,7 +100,7 @@ class _Lesson:
         self.size, self.motors = self._mine.size, plant.motors
 
     def round(self, student: Network | None, seeds: list[int]) -> Samples:
-        """Returns samples of one motion in each row, in which the student acts, if there is one."""
+        """Returns samples of one motion in each row; without a student the teacher acts."""
         seen, wished = [], []
         observation, _ = self._arms.reset(seed=seeds)
         self._teacher.reset()
@@ -124,7 +125,7 @@ def _plant(env: str, options: Mapping[str, Any]) -> Plant:
 def _columns(
     env: str, options: Mapping[str, Any], layout: Mapping[str, slice], size: int
 ) -> NDArray[np.int64]:
-    """Returns the places of an observation in that of arms with more sensors and frames."""
+    """Returns the columns of an observation inside an observation with more sensors and frames."""
     one = _plant(env, {**options, "history": 1})
     frame = [layout[name] for name in sorted(one.layout, key=lambda name: one.layout[name].start)]
     columns = np.concatenate([np.arange(part.start, part.stop) for part in frame])
@@ -132,7 +133,7 @@ def _columns(
 
 
 class _Student:
-    """A network of two layers, what teaches it, and the samples of its last rounds."""
+    """A network of two layers, its optimizer, and the samples of the last rounds."""
 
     def __init__(self, size: int, motors: int, seed: int) -> None:
         import torch
@@ -149,7 +150,7 @@ class _Student:
         self._kept: deque[Samples] = deque(maxlen=LAST)
 
     def learn(self, samples: Samples) -> None:
-        """Moves the network towards the teacher's actions, by their squared differences."""
+        """Fits the network to the actions of the teacher by least squares."""
         import torch
 
         torch.manual_seed(training_seeds(self._seed, 1, part=self.rounds)[0])
@@ -166,11 +167,11 @@ class _Student:
                 self._optimizer.step()
 
     def network(self) -> Network:
-        """Returns the network as NumPy runs it."""
+        """Returns the network for NumPy."""
         return Network(layers_of(self._layers), "tanh", squashed=False)
 
     def content(self) -> bytes:
-        """Returns a checkpoint; the next round replaces the oldest samples, which it is without."""
+        """Returns a checkpoint, without the oldest samples, which the next round replaces."""
         import torch
 
         kept = [*self._kept][1 - LAST :]
@@ -184,7 +185,7 @@ class _Student:
         return file.getvalue()
 
     def restore(self, content: bytes, path: Path) -> None:
-        """Restores what `content` has returned, which holds numbers only."""
+        """Restores a checkpoint, in which only numbers are read."""
         import torch
 
         try:
@@ -193,5 +194,5 @@ class _Student:
             self._optimizer.load_state_dict(found["optimizer"])
             self.rounds = int(found["rounds"])
             self._kept.extend((seen.numpy(), wished.numpy()) for seen, wished in found["kept"])
-        except Exception as error:  # a damaged file fails wherever it is damaged
+        except Exception as error:  # a damaged file can raise any error
             raise unreadable(path, error) from error

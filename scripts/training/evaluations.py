@@ -1,4 +1,4 @@
-"""Evaluations during a training: what the policy of each checkpoint gives to adapted wearers."""
+"""Evaluations during a training: relief of adapted wearers by the policy of each checkpoint."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -26,10 +26,10 @@ from ..output import messages
 from .run import Run
 
 EVALUATIONS = "evaluations.json"
-FIRST = 20_000  # first seed; those from 10,000 are for scores after the training
-MOTIONS = 8  # usual number, which is the least that an interval takes
-BETTER = 0.005  # relief by which an evaluation must be better to count
-BESIDE = ("none", "compensation")  # policies in the same motions, for the learning curve
+FIRST = 20_000  # first seed; seeds from 10,000 are for scores after the training
+MOTIONS = 8  # usual number, which is the least number for an interval
+BETTER = 0.005  # least increase of the relief that counts as an improvement
+BESIDE = ("none", "compensation")  # policies for comparison in the learning curve
 
 
 class _Relief(BaseModel):
@@ -43,7 +43,7 @@ class _Result(BaseModel):
 
 
 class _Content(BaseModel):
-    """What a file of evaluations must have."""
+    """Required content of a file of evaluations."""
 
     references: dict[str, list[float]]
     results: list[_Result]
@@ -54,13 +54,13 @@ class Evaluations:
     """Evaluates networks of a training on the same motions, and keeps the best policy.
 
     Args:
-        run: The run, in whose folder policy and results are kept.
-        done: Steps of the training so far; results of later ones are dropped.
+        run: The run; its folder gets the policy and the results.
+        done: Steps of the training so far; results after later steps are dropped.
 
     Attributes:
         results: Results in the order of the training: steps, relief with its interval, success and
-            what `_physical` returns; relief is None where the policy loses arms.
-        beside: Relief with its interval of policies that do not learn, by their names.
+            the means of `_physical`; relief is None where the policy loses arms.
+        beside: Relief, with its interval, of policies that do not learn, by name.
         wanted: Whether there are motions to evaluate.
     """
 
@@ -75,25 +75,21 @@ class Evaluations:
 
     @property
     def last(self) -> int:
-        """Steps of the training at the last evaluation; 0 before the first."""
+        """Steps of the training at the last evaluation; 0 before the first evaluation."""
         return self.results[-1]["steps"] if self.results else 0
 
     @property
     def stagnant(self) -> bool:
-        """Whether the last evaluations, as many as the card's patience, were no better."""
+        """Whether the last evaluations, as many as the patience in the card, improved nothing."""
         patience = self._card.training.get("patience") or len(self.results)
         values = [value(one) for one in self.results]
         before, last = values[:-patience], values[-patience:]
         return bool(before) and not max(last) > max(before) + BETTER  # both may be minus infinity
 
     def add(self, steps: int, network: Network) -> dict[str, Any] | None:
-        """Evaluates a network and keeps it if it is the best so far; returns the result.
+        """Evaluates a network, and keeps the network if it is the best so far; returns the result.
 
-        Without motions to evaluate, the last network is kept, and there is no result.
-
-        Args:
-            steps: Steps of the training so far.
-            network: The network.
+        Without motions to evaluate, the network is kept, and there is no result.
         """
         if not self.wanted:
             self.keep(steps, network)
@@ -103,25 +99,19 @@ class Evaluations:
         if value(result) >= max(map(value, self.results), default=-np.inf):
             self.keep(steps, network, result)
         self.results.append(result)
-        # The last file: without it, the evaluation is done again.
+        # Written last: a training that is stopped before this line repeats the evaluation.
         content = {"seeds": [*self._seeds], "references": self._references, "beside": self.beside}
         self._run.folder.json(EVALUATIONS, {**content, "results": self.results})
         return result
 
     def keep(self, steps: int, network: Network, scores: dict[str, Any] | None = None) -> None:
-        """Makes a network the policy of the folder.
-
-        Args:
-            steps: Steps of the training so far.
-            network: The network.
-            scores: Result of its evaluation; None if there is none.
-        """
+        """Saves a network as the policy of the run folder."""
         training = {**self._card.training, "done": steps}
         card = self._card.model_copy(update={"training": training, "scores": scores})
         self._run.write(files_of(card, network))
 
     def evaluated(self, network: Network) -> dict[str, Any]:
-        """Returns what a network gives: relief with its interval, success and `_physical`."""
+        """Returns relief with its interval, success and the means of `_physical` of a network."""
 
         def policy(plant: Plant) -> Policy:
             peak[:] = plant.peak
@@ -135,7 +125,7 @@ class Evaluations:
             for name in BESIDE:
                 try:
                     self.beside[name] = self._relief(name, policy_spec(name))[0].get("relief")
-                except InputError:  # the policy loses arms, or is none for this environment
+                except InputError:  # the policy loses arms, or cannot act in this environment
                     self.beside[name] = None
         try:
             found, traces = self._relief("trained", policy)
@@ -144,7 +134,7 @@ class Evaluations:
         return found | _physical(traces, peak)
 
     def _relief(self, name: str, given: Runnable) -> tuple[dict[str, Any], list[Trace]]:
-        """Returns relief, with its interval and by motion, and the motions."""
+        """Returns the relief, with its interval and by motion, and the traces of the motions."""
         found = run_motions(name, given, self._env, self._seeds, **self._run.options)
         unsuited, suited = (np.array(self._references[one]) for one in REFERENCES)
         effort = np.array(found.score.effort)
@@ -156,12 +146,12 @@ class Evaluations:
 
 
 def value(result: Mapping[str, Any]) -> float:
-    """Returns the relief of a result; minus infinity where there is none."""
+    """Returns the relief of a result; minus infinity for a result without relief."""
     return -np.inf if result["relief"] is None else result["relief"]["value"]
 
 
 def relief_text(found: Mapping[str, float] | None) -> str:
-    """Returns a relief, and its interval if it has one, as "0.87 (0.80 to 0.95)"; "-" for none."""
+    """Returns a relief and its interval, as "0.87 (0.80 to 0.95)"; "-" stands for no relief."""
     if found is None:
         return "-"
     interval = f" ({found['low']:.2f} to {found['high']:.2f})" if "low" in found else ""
@@ -178,9 +168,9 @@ def _line(result: dict[str, Any]) -> str:
 def _physical(traces: list[Trace], peak: Array) -> dict[str, float]:
     """Returns means over motions, given the peak torque of the motors [N·m].
 
-    They are the share of successes, effort [1], tracking error [rad], the root mean squares of the
-    torques of wearer and motors by joint [N·m], the greatest force of a cuff [N], and the share of
-    time in which a motor is saturated.
+    The means are of the successes, the effort [1], the tracking error [rad], the root mean squares
+    of the torques of wearer and motors by joint [N·m], the greatest force of a cuff [N], and the
+    share of time in which a motor is saturated.
     """
     found = {"success": np.mean([trace.success for trace in traces])}
     for name in ("effort", "tracking"):
@@ -201,7 +191,7 @@ def _physical(traces: list[Trace], peak: Array) -> dict[str, float]:
 
 
 def read_evaluations(folder: Path) -> dict[str, Any]:
-    """Returns what `Evaluations` has kept in the folder of a run; nothing where it has not."""
+    """Returns the content of the file of evaluations in a run folder; empty without the file."""
     path = folder / EVALUATIONS
     if not path.is_file():
         return {}

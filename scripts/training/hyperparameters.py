@@ -18,19 +18,20 @@ ALGORITHMS = {
     "tqc": ("sb3_contrib", "TQC"),
     "recurrent-ppo": ("sb3_contrib", "RecurrentPPO"),
 }
-DEFAULT = "default"  # what applies to environments that a file does not name
-NETWORKS = "policy_kwargs"  # arguments of the networks, a hyperparameter of several parts
+DEFAULT = "default"  # entry for environments that a file does not name
+NETWORKS = "policy_kwargs"  # hyperparameter with the arguments of the networks
 LARGEST = 1_000_000  # bytes
 _OURS = ("env", "seed", "device", "tensorboard_log", "verbose", "_init_setup_model")
 _COUNTS = ("n_envs", "n_timesteps")
 _Share = Annotated[float, Field(ge=0, le=1)]
-_KINDS: dict[str, Any] = {  # where the algorithm declares a wider type
+_KINDS: dict[str, Any] = {  # types that are narrower than those of the algorithm
     **dict.fromkeys((*_COUNTS, "n_steps", "batch_size", "n_epochs", "buffer_size"), PositiveInt),
     **dict.fromkeys(("gamma", "gae_lambda", "tau"), _Share),
-    "train_freq": PositiveInt | tuple[PositiveInt, Literal["step"]],  # episodes end at any time
+    "train_freq": PositiveInt
+    | tuple[PositiveInt, Literal["step"]],  # "episode" has no fixed length
 }
 _CONFIG = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
-_LINEAR = "lin_"  # prefix of a number that falls to 0 at the end of the training
+_LINEAR = "lin_"  # prefix of a number that decreases linearly to 0 during the training
 
 
 def algorithm_class(name: str) -> Any:
@@ -48,18 +49,18 @@ def algorithm_class(name: str) -> Any:
 
 
 def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, Any]:
-    """Returns the hyperparameters of an algorithm: the shipped ones, and above them a file's.
+    """Returns the shipped hyperparameters of an algorithm, with the values of a file in place.
 
     Args:
         algo: Name of the algorithm.
         env: Id of the environment, which a file may name.
         path: YAML file in the syntax of rl-zoo3: hyperparameters by the id of an environment, or
-            below "default". Those of `policy_kwargs` replace the shipped ones one by one.
+            below "default". Entries of `policy_kwargs` replace the shipped entries one by one.
 
     Returns:
         Arguments of the algorithm as plain data, with `policy`, `n_envs` and `n_timesteps`.
     """
-    algorithm_class(algo)  # reports an unknown one, or a missing extra
+    algorithm_class(algo)  # refuses an unknown name or a missing extra
     name = f"assets/hyperparameters/{algo}.yml"
     usual = _read(files("activesuit").joinpath(name).read_bytes(), name)[DEFAULT]
     usual = checked(algo, usual, name)
@@ -87,13 +88,7 @@ def _read(content: bytes, name: str) -> dict[str, Any]:
 
 
 def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
-    """Returns hyperparameters with the types that the algorithm declares.
-
-    Args:
-        algo: Name of the algorithm.
-        given: Hyperparameters by name.
-        where: Place that they are from, for messages.
-    """
+    """Returns hyperparameters, converted to the types that the algorithm declares."""
     if not isinstance(given, Mapping):
         raise InputError(f"the hyperparameters in {where!r} are {shown(given)}: name each one")
     taken = inspect.signature(algorithm_class(algo)).parameters
@@ -116,7 +111,7 @@ def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
 
 
 def _with_numbers(value: Any) -> Any:
-    """Returns a value with numbers in place of texts such as 3e-4, which YAML 1.1 takes for one."""
+    """Returns a value with numbers in place of texts such as "3e-4", a text for YAML 1.1."""
     if isinstance(value, dict):
         return {name: _with_numbers(one) for name, one in value.items()}
     if isinstance(value, list):
@@ -128,7 +123,7 @@ def _with_numbers(value: Any) -> Any:
 
 
 def arguments(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the arguments of an algorithm, with schedules as functions of what is left."""
+    """Returns the arguments of an algorithm; schedules are functions of the remaining share."""
     return {name: _schedule(one) for name, one in settings.items() if name not in _COUNTS}
 
 

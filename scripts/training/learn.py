@@ -1,4 +1,4 @@
-"""Reinforcement learning: a learner that learns, with checkpoints between its updates."""
+"""Reinforcement learning of a policy, with checkpoints between the updates of the learner."""
 
 from contextlib import closing, suppress
 from functools import partial
@@ -22,13 +22,13 @@ from .learner import (
 from .report import advice, write_report_of
 from .run import CHECKPOINT, Run, finished
 
-CHECKPOINTS = 10  # number per run
+CHECKPOINTS = 10  # number of checkpoints of a run
 JUDGED = 200  # control periods after which the reward of a new training is judged
-TRAINING_ONLY = ("reward", "randomize")  # options that evaluations are without
+TRAINING_ONLY = ("reward", "randomize")  # options without effect on evaluations
 
 
 def learn(run: Run) -> int:
-    """Trains until all steps are done; returns how many were done."""
+    """Trains until all steps are done; returns the number of steps."""
     env, training, folder = run.card.environment["env"], run.card.training, run.folder
     algo, seed, rows = training["algo"], training["seed"], training["rows"]
     own = {name: training[name] for name in TRAINING_ONLY if name in training}
@@ -38,7 +38,7 @@ def learn(run: Run) -> int:
             learner = new_learner(algo, arms, folder, seed, training["hyperparameters"])
         else:
             learner = resumed_learner(algo, arms, run.checkpoint, folder / CHECKPOINT)
-        arms.seed(training_seeds(seed, rows))  # the learner has set its own
+        arms.seed(training_seeds(seed, rows))  # in place of the seeds that the learner has set
         going_on, done = bool(run.checkpoint) and finished(folder.path), learner.num_timesteps
         run = run.begun(EVALUATIONS)
         evaluations = Evaluations(run, done)
@@ -57,7 +57,7 @@ def learn(run: Run) -> int:
                 if learner.num_timesteps and not evaluations.results:
                     evaluations.keep(learner.num_timesteps, network_of(learner))
                 raise
-            except ValueError:  # of torch, if the numbers of the network are not finite
+            except ValueError:  # torch raises it if numbers of the network are not finite
                 check_finite(learner)
                 raise
     write_report_of(run, learner.num_timesteps, evaluations, algo)
@@ -67,13 +67,13 @@ def learn(run: Run) -> int:
 
 
 class _PlateauError(Exception):
-    """The training ends, as its evaluations are no better any more."""
+    """The evaluations have stopped improving, so the training ends."""
 
 
 class _Checkpoints(BaseCallback):
-    """Keeps the learner ten times a training, and evaluates its policy.
+    """Saves the learner ten times during a training, and evaluates its policy.
 
-    A run that goes on after its end does so even if its evaluations were no better any more.
+    A finished run that is resumed continues even if its evaluations had stopped improving.
     """
 
     def __init__(self, run: Run, learner: Any, evaluations: Evaluations, *, going_on: bool) -> None:
@@ -82,7 +82,7 @@ class _Checkpoints(BaseCallback):
         self._every = max(1, run.card.training["steps"] // CHECKPOINTS)
         self._kept = self._evaluated = learner.num_timesteps
         if evaluations.wanted:
-            self._evaluated = evaluations.last  # an evaluation that was stopped is still due
+            self._evaluated = evaluations.last  # an interrupted evaluation is repeated
         self._ends = evaluations.stagnant and not going_on
 
     def _on_rollout_start(self) -> None:
@@ -96,14 +96,14 @@ class _Checkpoints(BaseCallback):
         return True
 
     def keep(self) -> None:
-        """Writes a checkpoint, from which the training can go on."""
+        """Writes a checkpoint, from which the training can be resumed."""
         check_finite(self._learner)
         if self._kept != self._learner.num_timesteps:
             self._run.write({CHECKPOINT: partial(save_learner, self._learner)})
             self._kept = self._learner.num_timesteps
 
     def evaluate(self) -> None:
-        """Keeps the learner, evaluates its policy, and keeps the policy if it is the best."""
+        """Writes a checkpoint, evaluates its policy, and saves the policy if it is the best."""
         self.keep()
         steps = self._learner.num_timesteps
         if steps == self._evaluated and self._evaluations.wanted:
@@ -121,7 +121,7 @@ class _Checkpoints(BaseCallback):
 
 
 class _Progress(BaseCallback):
-    """Moves the progress bar, logs what episodes cost, and judges the reward of a new training."""
+    """Moves the progress bar, logs the costs of episodes, and warns of a negative reward."""
 
     def __init__(self, bar: Bar, *, new: bool) -> None:
         super().__init__()

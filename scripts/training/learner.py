@@ -1,4 +1,4 @@
-"""A learner of Stable-Baselines3: its environments, its begin, and how it goes on, bit for bit."""
+"""A learner of Stable-Baselines3: environments, start, and a resume that is exact bit for bit."""
 
 import io
 from copy import deepcopy
@@ -16,13 +16,13 @@ from ...errors import InputError, install_line
 from ..folders import RunFolder
 from .hyperparameters import algorithm_class, arguments
 
-REPLAY = "replay.pkl"  # in a checkpoint: the experience of a learner that keeps one
+REPLAY = "replay.pkl"  # replay buffer in a checkpoint
 MONITORED = ("episode_returns", "episode_lengths")
 LSTM_STATES = "_last_lstm_states"
 
 
 def begin_torch(threads: int) -> None:
-    """Makes torch compute with so many threads; says what to install where it is missing."""
+    """Sets the number of threads of torch; refuses to train where torch is not installed."""
     try:
         import torch
     except ImportError as error:
@@ -34,15 +34,10 @@ def begin_torch(threads: int) -> None:
 
 
 def training_seeds(seed: int, count: int, part: int = 0) -> list[int]:
-    """Returns seeds for a part of a training, which no other part or training has.
+    """Returns seeds of rows for a part of a training, which differ from all other parts.
 
-    With Gymnasium's own, where row i has seed + i, the trainings 0 and 1 would meet the same
-    motions and persons in all rows but one.
-
-    Args:
-        seed: Seed of the training.
-        count: Number of seeds, one for each row of arms.
-        part: Number of the part of the training, where each part begins with new seeds.
+    Gymnasium gives row i the seed `seed + i`, so that the trainings 0 and 1 would have the same
+    motions and persons in all rows except one.
     """
     drawn = np.random.SeedSequence((seed, part)).generate_state(count, np.uint64)
     return (drawn & np.uint64(HIGHEST_SEED)).tolist()
@@ -51,14 +46,7 @@ def training_seeds(seed: int, count: int, part: int = 0) -> list[int]:
 def training_environments(
     env: str, rows: int, options: dict[str, Any], residual: Residual | None = None
 ) -> Any:
-    """Returns the environments that a learner trains in, as one of Stable-Baselines3.
-
-    Args:
-        env: Id of the environment.
-        rows: Number of arms.
-        options: Options of the environment.
-        residual: Policy that the learner corrects; None if it acts alone.
-    """
+    """Returns the environments of a training as an environment of Stable-Baselines3."""
     from stable_baselines3.common.vec_env import VecMonitor
 
     from ...envs.sb3 import ArmVecEnv, ResidualVecEnv
@@ -73,7 +61,7 @@ def training_environments(
 def new_learner(
     algo: str, environments: Any, folder: RunFolder, seed: int, settings: dict[str, Any]
 ) -> Any:
-    """Returns a learner that knows nothing yet; as a correction it begins at zero."""
+    """Returns an untrained learner; the network of a correction begins with the output zero."""
     import torch
 
     usual = {"env": environments, "seed": seed, "device": "cpu"}
@@ -82,11 +70,11 @@ def new_learner(
         learner = algorithm_class(algo)(**usual, **arguments(deepcopy(settings)))
     except InputError:
         raise
-    except Exception as error:  # whatever a value of the wrong kind leads to
+    except Exception as error:  # a value of the wrong kind can raise any error
         raise InputError(
             f"{algo} refuses its hyperparameters ({type(error).__name__}: {error}): change the file"
         ) from error
-    network_of(learner)  # reports one of which no policy can be made
+    network_of(learner)  # refuses a learner without a network that can be exported
     if _residual(environments):
         policy = learner.policy
         last = policy.actor.mu if hasattr(policy, "actor") else policy.action_net
@@ -97,7 +85,7 @@ def new_learner(
 
 
 def check_finite(learner: Any) -> None:
-    """Checks the numbers of a learner's networks."""
+    """Checks that all numbers of a learner's networks are finite."""
     import torch
 
     if not all(torch.isfinite(one).all() for one in learner.policy.parameters()):
@@ -108,18 +96,14 @@ def check_finite(learner: Any) -> None:
 
 
 def update_length(learner: Any) -> int:
-    """Returns the number of steps from an update of a learner to the next."""
+    """Returns the number of steps between two updates of a learner."""
     return learner.n_envs * (getattr(learner, "n_steps", None) or learner.train_freq.frequency)
 
 
 def draw_anew(learner: Any, seed: int) -> None:
-    """Makes all that is drawn until the next update follow from the seed and the steps so far.
+    """Seeds the random numbers until the next update by the seed and the number of steps so far.
 
-    So a learner that goes on draws what one that was not stopped draws.
-
-    Args:
-        learner: The learner.
-        seed: Seed of the training.
+    So a resumed training draws the same random numbers as an uninterrupted training.
     """
     drawn = np.random.SeedSequence((seed, learner.num_timesteps)).generate_state(1)
     learner.set_random_seed(int(drawn[0]))
@@ -128,12 +112,7 @@ def draw_anew(learner: Any, seed: int) -> None:
 
 
 def save_learner(learner: Any, path: Path) -> None:
-    """Writes a learner, its experience, and the state of its arms into one file.
-
-    Args:
-        learner: The learner, between two control periods.
-        path: Path of the file.
-    """
+    """Writes a learner, its replay buffer, and the state of its arms into one file."""
     monitor, residual = learner.env, _residual(learner.env)
     learner.memory = {
         "arms": monitor.unwrapped.arms.get_state(),
@@ -144,20 +123,14 @@ def save_learner(learner: Any, path: Path) -> None:
     learner.save(path)
     if hasattr(learner, "save_replay_buffer"):
         learner.save_replay_buffer(experience := io.BytesIO())
-        with ZipFile(path, "a") as archive:  # one file, so that both are of the same step
+        with ZipFile(path, "a") as archive:  # one file, so that all parts are of the same step
             archive.writestr(REPLAY, experience.getbuffer())
 
 
 def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) -> Any:
-    """Returns the learner of a checkpoint; this runs whatever code the checkpoint holds.
+    """Returns the learner of a checkpoint; this runs any code that the checkpoint holds.
 
-    What it learns next is what it would have learned without the break, to the last bit.
-
-    Args:
-        algo: Name of the algorithm.
-        environments: Environments as those that the learner was trained in.
-        content: Content of the file that `save_learner` wrote.
-        path: Path of the file, for messages.
+    The resumed training gives the same numbers as an uninterrupted training, to the last bit.
     """
     file = io.BytesIO(content)
     try:
@@ -168,11 +141,11 @@ def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) ->
             with ZipFile(file) as archive:
                 learner.load_replay_buffer(io.BytesIO(archive.read(REPLAY)))
         if (memory := getattr(learner, "memory", None)) is None:
-            learner._last_obs = None  # the file of a learner that has begun no episode
+            learner._last_obs = None  # a checkpoint before the first episode
             return learner
         environments.reset()
         arms, state = environments.unwrapped.arms, memory["arms"]
-        # A suit file is in the folder of the run now, which may have moved.
+        # The path of the suit file changes when the folder of the run is moved.
         state["config"]["suit"] = arms.get_state()["config"]["suit"]
         arms.set_state(state)
         for name in MONITORED:
@@ -180,18 +153,13 @@ def resumed_learner(algo: str, environments: Any, content: bytes, path: Path) ->
         if memory["residual"]:
             _residual(environments).set_memory(memory["residual"])
         setattr(learner, LSTM_STATES, memory[LSTM_STATES])
-    except Exception as error:  # a damaged file fails wherever it is damaged
+    except Exception as error:  # a damaged file can raise any error
         raise unreadable(path, error) from error
     return learner
 
 
 def unreadable(path: Path, error: Exception) -> InputError:
-    """Returns the message about a checkpoint that cannot be restored.
-
-    Args:
-        path: Path of the checkpoint.
-        error: Exception that its content raises.
-    """
+    """Returns the message about a checkpoint that cannot be restored."""
     reason = next(iter(str(error).splitlines()), type(error).__name__)
     return InputError(
         f"{str(path)!r} is not a readable checkpoint ({reason}): restore it, or train again"
@@ -199,6 +167,6 @@ def unreadable(path: Path, error: Exception) -> InputError:
 
 
 def _residual(environments: Any) -> Any:
-    """Returns the layer of environments in which a policy is corrected; None if there is none."""
+    """Returns the layer of environments that adds a correction to a policy, or None."""
     below = getattr(environments, "venv", None)
     return below if hasattr(below, "residual") else None

@@ -1,4 +1,4 @@
-"""The report of a training: the learning curve, what the best policy gives, each evaluation."""
+"""The report of a training: learning curve, relief of the best policy, and all evaluations."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from .evaluations import Evaluations, relief_text, value
 from .run import Run, asked
 
 Results = Sequence[Mapping[str, Any]]
-LEVELS = {"suit alone": 0.0, "no suit": 1.0}  # what a relief means
+LEVELS = {"suit alone": 0.0, "no suit": 1.0}  # meanings of the relief
 COLUMNS = {  # of an evaluation, as columns of the table
     "success": ("success", "{:.0%}"),
     "effort": ("effort\n[% of strength]", "{:.1%}"),
@@ -20,14 +20,7 @@ COLUMNS = {  # of an evaluation, as columns of the table
 
 
 def write_report_of(run: Run, done: int, evaluations: Evaluations, name: str) -> None:
-    """Writes the learning curve of a training and its report, which says that it has ended.
-
-    Args:
-        run: The run.
-        done: Steps of the training.
-        evaluations: Its evaluations.
-        name: Name of the learning curve.
-    """
+    """Writes the report of a finished training, with its learning curve."""
     card, results = run.card, evaluations.results
     header = ["steps", "relief,\n95 % interval", *(title for title, _ in COLUMNS.values())]
     rows = [
@@ -52,12 +45,7 @@ def write_report_of(run: Run, done: int, evaluations: Evaluations, name: str) ->
 
 
 def advice(card: Card, results: Results) -> Iterator[str]:
-    """Yields what to do where even the best policy costs the wearer effort.
-
-    Args:
-        card: Card of the policy.
-        results: Results of the evaluations.
-    """
+    """Yields advice if even the best policy costs the wearer effort."""
     relief = max(results, key=value)["relief"] if results else None
     if relief is None or relief["value"] >= 0:
         return
@@ -92,12 +80,10 @@ def learning_plot(
     curves: Mapping[str, Results],
     beside: Mapping[str, Mapping[str, float] | None],
 ) -> Plot:
-    """Returns relief over steps, with the interval of each evaluation as a band.
+    """Returns the plot of relief over steps, with a band for the intervals of the evaluations.
 
-    Args:
-        curves: Results of the evaluations of each training, by its label: `steps`, and `relief`
-            with `value`, `low` and `high`, or None.
-        beside: Relief of policies that do not learn, in the same form, by their names.
+    `curves` has results of evaluations by the label of the training, and `beside` the relief of
+    policies that do not learn, by name. A relief has `value`, `low` and `high`, or is None.
     """
     known = {label: [one for one in found if one["relief"]] for label, found in curves.items()}
     ends = {one["steps"] for found in known.values() for one in found}

@@ -1,4 +1,4 @@
-"""What a training was asked for, from which its card and its options follow."""
+"""The request for a training, from which card and options follow."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -29,21 +29,15 @@ from .run import CHECKPOINT, RENEWED, Run, finished, read_checkpoint, refuse_tra
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 MOST_ROWS = 10**5
-_IMPLIED = {"level": NOMINAL, "sensors": ["encoders"], "history": 1}  # a card is without these
+_IMPLIED = {"level": NOMINAL, "sensors": ["encoders"], "history": 1}  # absent from a card
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingRequest:
-    """What the command was asked for.
+    """Options of the command.
 
-    Attributes:
-        given: Options that are given, by their names in a card.
-        scene: Function that returns the scene, of the level and of the run that goes on.
-        file: File of hyperparameters; None if none is given.
-        resume: Whether to go on with what is there.
-        trust: Whether to resume files of others.
-        force: Whether to replace what is there.
-        torch_threads: Number of threads of torch.
+    `given` has the given options by their names in a card, `scene` returns the scene for a level
+    and for the run that is resumed, and `file` has hyperparameters.
     """
 
     given: dict[str, Any]
@@ -55,13 +49,13 @@ class TrainingRequest:
     torch_threads: int = 1
 
     def seed(self, out: Path, seed: int) -> None:
-        """Trains with a seed in a folder, or continues what is there if that is asked for."""
+        """Trains with a seed in a folder, or resumes the run in the folder on request."""
         resume = self.resume and (out / CHECKPOINT).exists()
         given = {**self.given, "seed": seed}
         replace(self, resume=resume, trust=self.trust and resume, given=given).one(out)
 
     def one(self, out: Path) -> None:
-        """Trains, or goes on, in a folder; a training that is at its end stays as it is."""
+        """Trains or resumes in a folder; a finished training is not changed."""
         checkpoint, before = None, {}
         if self.resume:
             checkpoint, before = read_checkpoint(out, trust=self.trust), self._before(out)
@@ -77,16 +71,18 @@ class TrainingRequest:
                 "coupling is 'none': there is no motor to train for; use rigid or cuffs"
             )
         config = self._with_usual(config, before, chosen.env, out)
-        at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
+        at_least("rows", config["rows"], 1, MOST_ROWS)  # also a number from a file or a run
         if before and finished(out) and all(before.get(n) == config.get(n) for n in RENEWED):
             say(f"the training in {out} is at its end: give more --steps to go on")
             return
         card, options = _card_and_options(chosen, config)
         folder = RunFolder(out, force=self.force, resumes=(out / CARD).is_file())
         run = Run(folder=folder, card=card, options=options, checkpoint=checkpoint)
-        with telling(lambda: _kept(folder)):
+        kept = f"what was learned is kept in {out}; go on with --resume"
+        nothing = "nothing was learned yet; start the training again"
+        with telling(lambda: kept if (out / CHECKPOINT).exists() else nothing):
             begin_torch(self.torch_threads)
-            from .learn import learn  # which imports Stable-Baselines3
+            from .learn import learn  # imports Stable-Baselines3
 
             done = distill(run) if "teacher" in config else learn(run)
         say(
@@ -95,9 +91,9 @@ class TrainingRequest:
         )
 
     def _before(self, out: Path) -> dict[str, Any]:
-        """Returns what the card of a run says of the training and of what the policy observes."""
+        """Returns the options of training and observation in the card of a run."""
         seen, found, residual = environment_of(out), training_of(out), read_card(out).residual
-        for name in {"reward", "teacher"} & found.keys():  # both may be of a module
+        for name in {"reward", "teacher"} & found.keys():  # may name a module
             if not (self.trust or is_own((out / CARD).read_bytes())):
                 raise InputError(
                     f"the run in {str(out)!r} needs the {name} {shown(found[name])}, and its "
@@ -105,12 +101,12 @@ class TrainingRequest:
                 )
             import_from_here()
         if residual is not None:
-            base_of(residual)  # refuses one that is none
+            base_of(residual)  # refuses a wrong policy
             found["residual"] = residual
         return found | {name: seen[name] for name in (*OBSERVATION, "level") if name in seen}
 
     def _config(self, before: dict[str, Any], out: Path) -> dict[str, Any]:
-        """Returns algo, seed and so on: those of the run before, which stay, and those given."""
+        """Returns the options of the earlier run, which may not change, and the given options."""
         given = dict(self.given)
         if "belief" in given and "sensors" in given:
             given["sensors"] = _believing(given["sensors"])
@@ -133,7 +129,7 @@ class TrainingRequest:
     def _with_usual(
         self, config: dict[str, Any], before: dict[str, Any], env: str, out: Path
     ) -> dict[str, Any]:
-        """Returns all that describes the training, with hyperparameters or those of a student."""
+        """Returns all options of the training, with hyperparameters or the numbers of a student."""
         if "teacher" in config:
             given = {**self.given, "hyperparameters": self.file}
             for name in ("algo", "residual", "reward", "patience", "hyperparameters"):
@@ -157,12 +153,7 @@ class TrainingRequest:
 
 
 def _card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict[str, Any]]:
-    """Returns the card of a policy, and the options of its environment.
-
-    Args:
-        chosen: Task and arms.
-        config: All that describes the training, with what the policy observes.
-    """
+    """Returns the card of a policy, and the options of its environment."""
     seen = {name: config[name] for name in OBSERVATION if name in config}
     others = (*seen, "residual", "done")
     training = {name: one for name, one in sorted(config.items()) if name not in others}
@@ -179,11 +170,5 @@ def _card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict
 
 
 def _believing(sensors: list[str]) -> list[str]:
-    """Returns sensor suites with that of a belief."""
+    """Returns sensor suites with the suite "belief"."""
     return [*sensors, *({"belief"} - {*sensors})]
-
-
-def _kept(folder: RunFolder) -> str:
-    if (folder / CHECKPOINT).exists():
-        return f"what was learned is kept in {folder.path}; go on with --resume"
-    return "nothing was learned yet; start the training again"

@@ -1,4 +1,4 @@
-"""The run of a training: its folder, and which of the files are of this machine."""
+"""The run of a training: its folder, and notes of the files that this machine wrote."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -19,19 +19,11 @@ from ..own_files import is_own, note, notes_folder
 from ..writer import PAGE, RESULT
 
 CHECKPOINT = "model.zip"
-RENEWED = ("steps", "patience")  # what may be new in a resume
+RENEWED = ("steps", "patience")  # options that a resume may change
 
 
 def read_checkpoint(out: Path, *, trust: bool) -> bytes:
-    """Returns the checkpoint of a run, without looking into it.
-
-    Args:
-        out: Folder of the run.
-        trust: True to take a file that this machine did not write.
-
-    Raises:
-        InputError: The file is missing, or was not written on this machine.
-    """
+    """Returns the bytes of the checkpoint of a run; refuses a file of another machine."""
     path = out / CHECKPOINT
     if not path.is_file():
         raise InputError(
@@ -47,7 +39,7 @@ def read_checkpoint(out: Path, *, trust: bool) -> bytes:
 
 
 def refuse_trained(out: Path) -> None:
-    """Refuses a folder in which a training or a policy would be lost."""
+    """Refuses a folder with a training or a policy, which a new training would replace."""
     if (out / CHECKPOINT).exists():
         raise InputError(
             f"{str(out)!r} holds a trained run: add --resume to go on, --force to begin anew, or "
@@ -64,11 +56,8 @@ def refuse_trained(out: Path) -> None:
 class Run:
     """A training in its folder.
 
-    Attributes:
-        folder: Folder of the run.
-        card: Card of the policy, whose `training` has all that describes the training.
-        options: Options of the environment.
-        checkpoint: Checkpoint from which the training continues; None begins anew.
+    The card of the policy has all options of the training, and `options` those of the environment.
+    The training continues from `checkpoint`; None begins a new training.
     """
 
     folder: RunFolder
@@ -77,12 +66,9 @@ class Run:
     checkpoint: bytes | None = None
 
     def begun(self, *others: str) -> Self:
-        """Writes the card, and a copy of the suit file if there is one; returns the run with both.
+        """Writes the card and a copy of a suit file; returns the run with the new card.
 
-        In a resume the card of the policy that was kept gets what is new, which holds from now on.
-
-        Args:
-            *others: Names of more files that a new training is without.
+        In a resume the card of the kept policy gets the changed options.
         """
         folder, card, new = self.folder, self.card, self.checkpoint is None
         for name in (RESULT, PAGE, CHECKPOINT, WEIGHTS, *others) if new else ():
@@ -105,11 +91,7 @@ class Run:
         return run
 
     def write(self, contents: Mapping[str, bytes | Callable[[Path], object]]) -> None:
-        """Writes files that belong together, which take their places at once, and notes them.
-
-        Args:
-            contents: Content of each file, or a function that writes it to a path.
-        """
+        """Writes files that belong together: all are complete before the first replaces a file."""
         with ExitStack() as all_written:
             for name, content in contents.items():
                 scratch = all_written.enter_context(self.folder.replacing(name))
@@ -117,18 +99,12 @@ class Run:
                     scratch.write_bytes(content)
                 else:
                     content(scratch)
-                # Noted before it is in its place: a run that is killed in between is still ours.
+                # Noted first, so that a run that is killed between both steps is still ours.
                 if not note(scratch, self.folder / name):
                     _tell_unnoted()
 
     def rounded(self, part: int, parts: str, done: int = 0) -> int:
-        """Returns the steps of the training in whole parts, and says so where they are more.
-
-        Args:
-            part: Steps of a part.
-            parts: Name of the parts.
-            done: Steps that are done.
-        """
+        """Returns the steps of the training rounded up to whole parts, and reports the rounding."""
         steps = self.card.training["steps"]
         total = done + math.ceil(max(0, steps - done) / part) * part
         if total > max(steps, done):
@@ -136,23 +112,23 @@ class Run:
         return total
 
 
-@cache  # once
+@cache  # the note is printed once
 def _tell_unnoted() -> None:
     messages.print(f"note: {notes_folder()} cannot be written, so that --resume will need --trust")
 
 
 def asked(training: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what a training is asked for that may be new in a resume."""
+    """Returns the options of a training that a resume may change."""
     return {name: training.get(name) for name in RENEWED}
 
 
 def finished(folder: Path) -> bool:
-    """Returns whether the training in a folder is at its end, with a page of its result."""
+    """Returns whether the training in a folder has ended, and its page is written."""
     result, page = folder / RESULT, folder / PAGE
     try:
         found: Any = read_json(result, "result of a training")
         whole = page.stat().st_mtime_ns >= result.stat().st_mtime_ns
-    except (InputError, OSError):  # one is missing or damaged, and is written again
+    except (InputError, OSError):  # a missing or damaged file is written again
         return False
     whole = whole and isinstance(found, dict) and (folder / CHECKPOINT).is_file()
     return whole and found.get("asked") == asked(read_card(folder).training)

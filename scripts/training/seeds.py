@@ -1,4 +1,4 @@
-"""Several trainings that differ by their seed alone, and what they say together."""
+"""Several trainings that differ by their seed alone, and their common report."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -17,13 +17,13 @@ from .evaluations import read_evaluations, relief_text, value
 from .report import learning_plot
 from .request import TrainingRequest
 
-MOST = 1000  # seeds
-HIGHEST = 2**32 - 1  # seed that the generators of all learners take
-FEWEST = 5  # trainings from which an interval can be had
+MOST = 1000  # greatest number of seeds
+HIGHEST = 2**32 - 1  # largest seed for the generators of all learners
+FEWEST = 5  # least number of trainings for an interval
 
 
 def seeds_of(text: str) -> list[int]:
-    """Returns seeds from "0-9" or "0,3,5", each once and in order."""
+    """Returns the seeds of a text such as "0-9" or "0,3,5", each once and in order."""
     found: set[int] = set()
     for part in text.split(","):
         match = re.fullmatch(r"\s*([0-9]{1,10})(?:-([0-9]{1,10}))?\s*", part)
@@ -39,26 +39,15 @@ def seeds_of(text: str) -> list[int]:
 
 
 def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers: int) -> None:
-    """Trains with each seed in a folder of its own, and reports all of them together.
-
-    Args:
-        request: What each training is asked for.
-        seeds: The seeds.
-        out: Folder of the folders.
-        workers: Number of trainings at once.
-    """
+    """Trains with each seed in a folder of its own, and reports all of them together."""
     folder = RunFolder(out, force=request.force, resumes=request.resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
     given = [(path, seed) for seed, path in runs.items()]
-    if workers == 1:
-        for path, seed in given:
-            request.seed(path, seed)
-    else:
-        for _ in run_all(request.seed, given, "loky", workers):
-            pass
+    for _ in run_all(request.seed, given, "loky", workers):  # one worker is this process
+        pass
     found = {seed: read_evaluations(path) for seed, path in runs.items()}
     curves = {f"seed {seed}": one["results"] for seed, one in found.items()}
-    beside = found[seeds[0]].get("beside", {})  # of the same motions in all of them
+    beside = found[seeds[0]].get("beside", {})  # the motions are the same for all seeds
     best = {seed: max(one["results"], key=value) for seed, one in found.items()}
     steps = sorted({training_of(path)["steps"] for path in runs.values()})
     rows = [
@@ -80,11 +69,7 @@ def train_all(request: TrainingRequest, seeds: Sequence[int], out: Path, workers
 
 
 def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
-    """Returns the interquartile mean over trainings, with its interval from five trainings on.
-
-    Args:
-        reliefs: Relief of each training, a mean over motions.
-    """
+    """Returns the interquartile mean over trainings, with an interval for five or more."""
     scores = np.array(reliefs, float)
     if len(scores) < FEWEST:
         return {"value": float(interquartile_mean(scores))}

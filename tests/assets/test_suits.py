@@ -271,19 +271,8 @@ def test_bad_content(tmp_path):
 
 
 def test_bad_files(tmp_path):
-    text = json.dumps(read_mock_suit())
-    rows = [
-        (text[:300], r"not complete JSON \(line"),
-        ("[1, 2]", "schema_version is None"),
-        (text.replace("{", '{"name": "other", ', 1), "has 'name' twice in one object"),
-        (
-            text.replace('"mock-suit"', "[" * 10_000 + "]" * 10_000, 1),
-            "lists or objects inside each other",
-        ),
-        (text.replace('_version": 2', f'_version": {"2" * 5000}'), "has a number of 5,000 digits"),
-    ]
+    rows = [("{", r"not complete JSON \(line"), ("[1, 2]", "schema_version is None")]
     assert_refused(lambda text: load(tmp_path, text), rows)
-    assert load(tmp_path, "\ufeff" + text) == load_suit("mock-suit")
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,6 @@ from helpers import assert_refused
 
 pytestmark = pytest.mark.slow
 
-pytestmark = pytest.mark.slow
-
 
 def test_it_steps_worlds_with_and_without_hysteresis(monkeypatch, capsys):
     pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")

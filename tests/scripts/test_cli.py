@@ -16,18 +16,14 @@ from activesuit.benchmarks import starts
 from activesuit.benchmarks.bench import bench
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import Search, fit_curves, identify, load_curves
+from activesuit.scripts.commands import COMMANDS
 from activesuit.scripts.folders import to_json
-from activesuit.scripts.main import COMMANDS, main
-from helpers import fails, in_this_process, run, shorten_tasks
+from activesuit.scripts.main import main
+from activesuit.scripts.output import Bar
+from helpers import fails, in_this_process, run
 
 ELBOW = str(curves_path("elbow"))
 FEW = ["--motions", "8", "--json"]
-
-
-@pytest.fixture
-def short(monkeypatch):
-    """For what is shown of motions, which then take 1 s instead of 10 s."""
-    shorten_tasks(monkeypatch, 0.5)
 
 
 def identified(capsys, *arguments) -> str:
@@ -91,29 +87,16 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     assert whole.joints["elbow_flexion"] == load_suit(str(suit)).joints["elbow_flexion"]
 
 
-def test_swarm_from_the_command_line(capsys, tmp_path):
-    out = identified(capsys, ELBOW, "--method", "sa-pso", "--trials", 2, "--out", tmp_path)
-    assert "sa-pso" in out
-    rows = (tmp_path / "trials.csv").read_text().splitlines()
-    assert len(rows) == 3
-
-
 def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, monkeypatch):
-    from activesuit.scripts.output import Bar
-
     def interrupt(self, steps, total=None):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Bar, "move_to", interrupt)
-    arguments = ["--method", "mpso", "--trials", "5", "--workers", "1", "--out", tmp_path, "--json"]
-    with pytest.raises(SystemExit) as stop:
-        main(["identify", ELBOW, *map(str, arguments)])
-    assert stop.value.code == 2
-    captured = capsys.readouterr()
-    result = json.loads(captured.out)
+    arguments = ["--method", "mpso", "--trials", 5, "--workers", 1, "--out", tmp_path, "--json"]
+    assert "interrupted" in fails(capsys, "identify", ELBOW, *arguments, shown=True)
+    result = json.loads((tmp_path / "result.json").read_text())
     assert result["interrupted"]
     assert 1 <= result["trials"] < 5
-    assert "interrupted" in captured.err
     assert load_suit(str(tmp_path / "suit.json")).joints
 
 
@@ -221,11 +204,8 @@ def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
 
 
 def test_unknown_and_missing_command_and_option(capsys):
-    for arguments in (["demo", "--speed", "3"], ["identify"]):
-        with pytest.raises(SystemExit) as stop:
-            main(arguments)
-        assert stop.value.code == 2
-    capsys.readouterr()
+    assert "unknown option --speed" in fails(capsys, "demo", "--speed", 3)
+    fails(capsys, "identify")
     assert fails(capsys, "evaluat").endswith("did you mean 'evaluate'?")
     unknown = fails(capsys, "--fly", "list")
     assert "unknown command '--fly': use one of benchmark, demo" in unknown
@@ -280,14 +260,11 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     assert model == model_from_dict(result["model"])
 
 
+KINDS = "asymmetric bouc-wen hinged-stops prandtl-ishlinskii preisach dahl duhem clipped"
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "model",
-    [
-        *("asymmetric", "bouc-wen", "hinged-stops", "prandtl-ishlinskii", "preisach", "dahl"),
-        *("duhem", "clipped"),
-    ],
-)
+@pytest.mark.parametrize("model", KINDS.split())
 def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn, short):
     joint, chosen = ("shoulder", []) if model == "clipped" else ("elbow", ["--model", model])
     identified(capsys, curves_path(joint), *chosen, "--out", tmp_path)
@@ -319,16 +296,17 @@ def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):
     assert len({sample.Ms for sample in entry.samples}) == 3
 
 
-def test_options_reach_the_fit(capsys):
-    options = ["--method", "pso", "--trials", "1", "--objective", "robust", "--json"]
-    options += ["--normalize", "curve", "--initial-torque", "identified"]
+def test_options_reach_the_fit(capsys, tmp_path, undrawn):
+    options = ["--method", "pso", "--trials", 2, "--objective", "robust", "--json"]
+    options += ["--normalize", "curve", "--initial-torque", "identified", "--out", tmp_path]
     result = json.loads(identified(capsys, ELBOW, *options))
     expected = fit_curves(
         load_curves(ELBOW),
-        method=Search("pso", trials=1, objective="robust", normalize="curve"),
+        method=Search("pso", trials=2, objective="robust", normalize="curve"),
         initial_torque="identified",
     )
     assert result["initial_torque"] == expected.initial_torque
     assert result["model"] == expected.model.to_dict()
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 3
     result = json.loads(run(capsys, "identify", ELBOW, "--initial-torque", "0.1", "--json"))
     assert result["initial_torque"] == 0.1

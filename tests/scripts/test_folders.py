@@ -5,43 +5,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from activesuit.assets import curves_path
 from activesuit.errors import InputError
 from activesuit.files import SCRATCH
 from activesuit.scripts.folders import RunFolder, close_folders
-from helpers import content, fails
+from helpers import content
 
-ELBOW = str(curves_path("elbow"))
-WRITERS = {
-    "identify": ["identify", ELBOW, "--joint", "elbow_flexion"],
-    "rig": ["rig"],
-    "demo": ["demo", "--trials", "1", "--motions", "8"],
-    "evaluate": ["evaluate", "--motions", "8"],
-    "simulate": ["simulate"],
-    "validate": ["validate", "mock-suit", "--plant", "mock-suit"],
-    "train": ["train", "--steps", "1"],
-}
-
-
-@pytest.fixture(autouse=True)
-def closed():
-    yield
-    close_folders()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("command", WRITERS)
-def test_a_folder_that_is_not_empty_is_refused(capsys, tmp_path, command):
-    if command == "train":
-        pytest.importorskip("stable_baselines3")
-    foreign = tmp_path / "foreign"
-    foreign.mkdir()
-    (foreign / "notes.txt").write_text("mine")
-    before = content(tmp_path)
-    message = fails(capsys, *WRITERS[command], "--out", foreign)
-    assert "is not empty, it holds 'notes.txt'" in message
-    assert "--force" in message
-    assert content(tmp_path) == before
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 def test_force_writes_beside_what_is_there(tmp_path):
@@ -120,12 +89,3 @@ def test_another_process_in_the_folder_is_reported(tmp_path):
 def test_a_path_that_is_none():
     with pytest.raises(InputError, match="cannot make the folder"):
         RunFolder(Path("a\0b"))
-
-
-def test_a_mistake_leaves_nothing(capsys, tmp_path):
-    out = tmp_path / "new" / "out"
-    fails(capsys, "identify", ELBOW, "--trials", "0", "--out", out)
-    assert list(tmp_path.iterdir()) == []
-    tmp_path.joinpath("empty").mkdir()
-    fails(capsys, "identify", ELBOW, "--trials", "0", "--out", tmp_path / "empty")
-    assert list(tmp_path.rglob("*")) == [tmp_path / "empty"]

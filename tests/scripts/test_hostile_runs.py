@@ -1,6 +1,7 @@
-"""Run folders of somebody else: they run no code and end in one sentence."""
+"""Run folders and policy files of somebody else: they run no code and end in one sentence."""
 
 import json
+import sys
 
 import pytest
 from activesuit.scripts.main import main
@@ -16,12 +17,6 @@ from trained_runs import (
 )
 
 pytest.importorskip("stable_baselines3")
-
-
-@pytest.fixture(autouse=True)
-def this_machine(tmp_path_factory, monkeypatch):
-    """Keeps the notes of what this machine wrote out of the user's own."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
 
 
 @pytest.fixture
@@ -76,52 +71,40 @@ def test_trust_means_what_it_says(capsys, tmp_path, foreign, poison):
     assert trap.exists() == (poison is poison_data)  # PPO has no experience to read
 
 
-def test_trust_without_resume(capsys, tmp_path):
-    said = answer(capsys, "train", "--trust", "--out", tmp_path / "new")
-    assert "--trust is given without --resume" in said
-
-
-CARDS = {
-    "7": "its content is wrong",
-    "[" * 10_000: "inside each other",
-    "{}": "its observation is wrong",
-    "": "is not complete JSON",
-}
-OPTIONS = {
-    '{"env": 1}': "has the env 1",
-    '{"algo": "dqn"}': "unknown algo",
-    '{"knee": 1}': "unknown option",
-    '{"reward": "enemy:reward"}': "unknown option",
-    '{"randomize": {"suits": ["/etc/passwd"]}}': "unknown option",
-    '{"exo": 1}': "exo is 1",
-    '{"fatigue": "much"}': "fatigue is 'much'",
-    '{"payload": {"mass": NaN}}': "payload",
-    '{"steps": true}': "has steps True",
-    '{"gravity": "venus"}': "unknown gravity",
-    '{"env": "ActiveSuit/Knee-v0"}': "unknown environment",
-    '{"env": "CartPole-v1"}': "is no arm of ActiveSuit",
-}
-OF_TRAINING = ("algo", "steps")
+OPTIONS = [  # of an environment
+    ("env", 1, "has the env 1"),
+    ("knee", 1, "unknown option"),
+    ("reward", "enemy:reward", "unknown option"),
+    ("randomize", {"suits": ["/etc/passwd"]}, "unknown option"),
+    ("exo", 1, "exo is 1"),
+    ("fatigue", "much", "fatigue is 'much'"),
+    ("payload", {"mass": float("nan")}, "payload"),
+    ("gravity", "venus", "unknown gravity"),
+    ("env", "ActiveSuit/Knee-v0", "unknown environment"),
+    ("env", "CartPole-v1", "is no arm of ActiveSuit"),
+]
+OF_TRAINING = [("algo", "dqn", "unknown algo"), ("steps", True, "has steps True")]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["evaluate", "simulate", "resume"])
-@pytest.mark.parametrize("given", [*CARDS, *OPTIONS], ids=lambda text: text[:60])
-def test_damaged_card(capsys, tmp_path, foreign, command, given):
-    path = foreign / "policy.json"
-    if given in CARDS:
-        path.write_text(given)
-    else:
-        card, changes = json.loads(path.read_text()), json.loads(given)
-        for name, value in changes.items():
-            card["training" if name in OF_TRAINING else "environment"][name] = value
-        path.write_text(json.dumps(card))
+@pytest.mark.usefixtures("undrawn")
+def test_damaged_card(capsys, tmp_path, foreign, command):
+    path, resumes = foreign / "policy.json", command == "resume"
+    whole = path.read_text()
     arguments = [one.format(run=foreign, tmp=tmp_path) for one in COMMANDS[command]]
-    trusted = ["--trust"] if command == "resume" else []
-    said = answer(capsys, *arguments, *trusted)
-    if command == "resume" or not any(name in given for name in OF_TRAINING):
-        assert {**CARDS, **OPTIONS}[given] in said  # to act, a policy need not know its training
-        assert not (tmp_path / "out").exists()
+    arguments += ["--trust"] if resumes else []
+    for name, value, message in OPTIONS + OF_TRAINING:
+        of_training = (name, value, message) in OF_TRAINING
+        card = json.loads(whole)
+        card["training" if of_training else "environment"][name] = value
+        path.write_text(json.dumps(card))
+        said = answer(capsys, *arguments)
+        if resumes or not of_training:  # a policy acts without the numbers of its training
+            assert message in said
+            assert not (tmp_path / "out").exists()
+        else:
+            assert said == "" or "is not empty" in said
 
 
 def test_a_module_named_by_somebody_else_is_not_imported(capsys, tmp_path, monkeypatch, foreign):
@@ -134,12 +117,11 @@ def test_a_module_named_by_somebody_else_is_not_imported(capsys, tmp_path, monke
     assert not trap.exists()
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_weights_that_are_no_numbers(capsys, tmp_path, foreign, value):
+def test_weights_that_are_no_numbers(capsys, tmp_path, foreign):
     from activesuit.envs.policies.network import read_card, read_network
 
     network = read_network(foreign, read_card(foreign))
-    next(iter(network.weights.values()))[0] = value
+    next(iter(network.weights.values()))[0] = float("nan")
     write_network(foreign, network)
     arguments = [one.format(run=foreign, tmp=tmp_path) for one in COMMANDS["evaluate"]]
     assert "values that are not finite" in answer(capsys, *arguments)
@@ -158,3 +140,59 @@ def test_foreign_experience(capsys, tmp_path):
     replace_part(run / "model.zip", "replay.pkl", b"nothing")
     assert "is not a readable checkpoint" in answer(capsys, *arguments)
     assert json.loads((run / "policy.json").read_text()) == before
+
+
+POLICY = """
+import pathlib
+pathlib.Path("imported").touch()
+
+class Sneaky:
+    def __init__(self, env):
+        pass
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return 0 * observation[..., :2]
+"""
+OF_FILES = [
+    "simulate --out out --policy",
+    "evaluate --motions 8 --unadapted --out out --policies",
+    "benchmark run --tasks ElbowFlexion --levels nominal --motions 8 --out out --policies",
+    "view --film film.gif --policy",
+    "view --policy",
+]
+
+
+@pytest.fixture
+def policy_file(tmp_path, monkeypatch):
+    shorten_tasks(monkeypatch, 1.0)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    (tmp_path / "sneaky.py").write_text(POLICY)
+    (tmp_path / "foreign.json").write_text(json.dumps({"name": "sneaky:Sneaky"}))
+    yield "foreign.json"
+    sys.modules.pop("sneaky", None)
+
+
+@pytest.mark.parametrize("command", OF_FILES)
+def test_no_code_of_a_file_is_run(capsys, tmp_path, policy_file, command):
+    sys.path.append(str(tmp_path))  # the module can be found all the same
+    message = answer(capsys, *command.split(), policy_file)
+    assert "'foreign.json' names 'sneaky:Sneaky', and importing that would run its code" in message
+    assert "add --trust" in message
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["foreign.json", "sneaky.py"]
+
+
+@pytest.mark.parametrize("command", OF_FILES[:2])
+def test_a_trusted_file_is_taken(tmp_path, policy_file, command):
+    main([*command.split(), policy_file, "--trust"])
+    assert (tmp_path / "imported").exists()
+
+
+def test_a_class_on_the_command_line_needs_no_trust(tmp_path, policy_file):
+    main(["simulate", "--out", "out", "--policy", "sneaky:Sneaky"])
+    assert (tmp_path / "imported").exists()

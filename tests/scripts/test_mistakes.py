@@ -6,21 +6,18 @@ import shutil
 import pytest
 from activesuit.assets import FOLDER, curves_path
 from helpers import content, fails
-from trained_runs import make_run
+from trained_runs import make_run, write_card
 
-HEADER = "curve,angle_rad,torque_nm\n"
+FULL = "is not empty, it holds 'notes.txt': choose a new folder as --out, or add --force"
+TRAINED = "trained with 'moon': leave --gravity out"
 WAY = "time_s,angle_rad\n0,0.52\n5,{}\n"
 WHOLE = (FOLDER / "suits" / "mock-suit.json").read_text(encoding="utf-8")
 FILES = {  # of the folder in which the commands run, beside elbow.csv
-    "text.csv": HEADER + "A,0,0\nA,1,x\n",
-    "degrees.csv": HEADER + "A,20,0\nA,60,3\n",
-    "rising.csv": HEADER + "".join(f"A,{0.01 * i},{i}\n" for i in range(40)),
-    "few.csv": HEADER + "".join(f"A,{x},{x}\n" for x in (0.5, 0.7, 1, 0.8, 0.5)),
+    "text.csv": "curve,angle_rad,torque_nm\nA,0,0\nA,1,x\n",
     "cut.json": WHOLE[: len(WHOLE) // 2],
     "broken.json": "{",
     "empty": "",
     "still.csv": "angle_rad\n1\n1\n",
-    "back.csv": "time_s,angle_rad\n1,0\n0,1\n",
     "untimed.csv": "angle_rad\n0.52\n1\n",
     "way.csv": WAY.format(1.0),
     "quick.csv": WAY.format(1.0).replace("5,", "0.1,"),
@@ -30,39 +27,39 @@ FILES = {  # of the folder in which the commands run, beside elbow.csv
 IDENTIFY = {
     "none.csv": "No such file",
     "text.csv": "line 3: torque_nm is 'x'",
-    "degrees.csv": "more than a full turn",
-    "rising.csv": "no curve turns back",
-    "few.csv": "give at least 10",
     "other.csv --out out": "give --joint",
     "other.csv --for MinorLoops": "cannot tell which joint",
     "elbow.csv --trials 0": "trials is 0",
     "elbow.csv --trials 1000000000": "trials is 1000000000: use at most 10,000,000",
     "elbow.csv --out empty": "--out",
+    "elbow.csv --out other": FULL,
+    "elbow.csv --trials 0 --out new/out": "trials is 0",
+    "elbow.csv --trials 0 --out bare": "trials is 0",
+    "elbow.csv --trials x": "--trials",
+    "elbow.csv --samples 1.5": "--samples",
     "elbow.csv --joint knee --out out": "unknown joint 'knee'",
     "elbow.csv --seed -1": "seed is -1",
     "elbow.csv --model preisach --method pso": "has the method 'certified'",
     "elbow.csv --objective sse": "objective is 'sse': method 'certified' always",
-    "elbow.csv --samples -1": "samples is -1",
-    "elbow.csv --workers 0": "workers is 0: use 1 or more, or -1 for all cores",
-    "elbow.csv --workers -7": "workers is -7: use 1 or more",
     "elbow.csv --base nope --out out": "unknown suit 'nope'",
     "elbow.csv --base mock-suit": "--base mock-suit needs --out",
     "elbow.csv --for Minorloops": "did you mean 'MinorLoops'",
     "elbow.csv --for none.csv": "cannot read the motion 'none.csv'",
     "elbow.csv --for MinorLoops --joint knee": "unknown joint 'knee'",
     "elbow.csv --for still.csv": "stays at the angle 1 rad",
-    "elbow.csv --for back.csv": "line 3: the time runs back from 1 to 0 s",
     "elbow.csv --columns angle": "--columns has 'angle': give NAME=VALUE",
     "elbow.csv --columns angel=2": "unknown kind of column 'angel'",
     "elbow.csv --units angle=deg angle=rad": "--units has 'angle' twice",
     "elbow.csv --units torque=stone": "'stone' is no unit of torque",
     "elbow.csv --decimal ';'": "decimal is ';': give '.' or ','",
-    "elbow.csv --rate viscous --method pso": "which the method 'pso' does not fit",
     "elbow.csv --rate viscous": "has no times",
     "elbow.csv --rate fast": "fast",
     "elbow.csv --average-cycles": "curve '0.87' has 2 branches",
 }
 EVALUATE = {
+    "--policies run --gravity earth": TRAINED,
+    "--policies none --motions 8 --out other": FULL,
+    "--motions 1.5": "--motions",
     "--motions 1000000000": "motions is 1000000000: use at most",
     "--motions 0 --out out": "motions is 0",
     "--motions 7": "motions is 7: use at least 8",
@@ -75,6 +72,8 @@ EVALUATE = {
     "--seed -1": "seed is -1",
 }
 SIMULATE = {
+    "--out out --policy run --gravity earth": TRAINED,
+    "--out other": FULL,
     "--out out --policy magic": "unknown policy",
     "--out out --suit cut.json": "not complete JSON",
     "--out out --seed -1": "seed is -1",
@@ -95,6 +94,7 @@ SIMULATE = {
 VALIDATE = {
     "": "no suit is given",
     "cut.json": "not complete JSON",
+    "mock-suit --plant mock-suit --out other": FULL,
     "emu-like --plant mock-suit --motions 7": "motions is 7: use at least 8",
     "emu-like --plant emu-like --policy compensation:suit=mock-suit": "has a suit: leave that out",
     "mock-suit --plant nope": "unknown suit 'nope'",
@@ -105,7 +105,8 @@ VALIDATE = {
     "mock-suit --held-out other.csv": "give --joint",
 }
 RIG = {
-    "--repeats 1000000000": "repeats is 1000000000: use at most",
+    "--out other": FULL,
+    "--noise x": "--noise",
     "--turns 3.0": "turn is 3 rad: give an angle in the range of elbow_flexion",
     "--rate 0": "rate is 0.0: use a number from 0.01 to 0.5 rad/s",
     "--noise -1": "noise is -1.0: use a number from 0 to 1000 N·m",
@@ -126,6 +127,7 @@ DESIGN = {
     "": "give a file of curves, or --range LOW HIGH in rad, and not both",
     "none.csv": "cannot read the curves 'none.csv'",
     "elbow.csv --range 0 1": "and not both",
+    "--range 0 x": "--range",
     "--range 1 0": "--range is 1 to 0 rad: give the smaller angle first",
     "--range 0 90": "end is 90 rad, more than a full turn",
     "--range 0 1 --min-rate 0": "min_rate is 0 rad/s: give a number above 0",
@@ -134,6 +136,7 @@ DESIGN = {
 }
 SUITS = {"nope": "unknown suit 'nope'", "emulike": "did you mean 'emu-like'"}
 VIEW = {
+    "--policy run --gravity earth": TRAINED,
     "": "no window can be opened here: use --snapshot FILE.png for a picture, or --film FILE.gif",
     "--snapshot arm.jpg": "snapshot is 'arm.jpg': use a name that ends with .png",
     "--snapshot arm.png --film arm.gif": "--film and --snapshot are given: use one of them",
@@ -143,7 +146,6 @@ VIEW = {
     "--film arm.avi": "film is 'arm.avi': use a name that ends with .gif or .mp4",
     "--film no/arm.gif": "cannot write 'no/arm.gif'",
     "--film arm.gif --size 960 541": "size has 541: use even numbers of pixels from 120 to 1920",
-    "--film arm.gif --camera top": "unknown camera 'top'",
     "--film arm.gif --env Ant-v5": "no arm of ActiveSuit",
     "--gravity sun": "unknown gravity 'sun'",
     "--snapshot arm.png --quality best": "unknown render_quality 'best'",
@@ -220,6 +222,7 @@ TRAIN = {
     "--task Knitting": "unknown task 'Knitting'",
     "--sensors eyes": "unknown",
     "--out run": "holds a trained run: add --resume",
+    "--steps 1 --out other": FULL,
 }
 BEGUN = {  # what shows when the arms act, after the folder of the training is made
     "--residual adaptive --sensors encoders": "needs the sensors encoders, inter",
@@ -258,6 +261,7 @@ MISTAKES = {
     "demo --out out": {
         "--motions 7": "motions is 7: use at least 8",
         "--motions 0": "motions is 0",
+        "--out other": FULL,
         "--trials 0": "trials is 0",
         "--seed -5": "seed is -5",
     },
@@ -266,15 +270,16 @@ MISTAKES = {
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch, tmp_path_factory):
+def folder(tmp_path, monkeypatch):
     """The working folder of the commands, with the files that they read."""
     monkeypatch.chdir(tmp_path)
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
     for name, text in FILES.items():
         (tmp_path / name).write_text(text)
-    (tmp_path / "other").mkdir()
+    for name in ("bare", "other"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "other" / "notes.txt").write_text("mine")
     for name in ("elbow.csv", "other.csv"):
         shutil.copy(curves_path("elbow"), tmp_path / name)
     return tmp_path
@@ -285,6 +290,9 @@ def test_a_mistake_is_one_sentence_and_changes_nothing(capsys, folder, command):
     if command.startswith(("train", "export")):
         pytest.importorskip("stable_baselines3")
         make_run(folder / "run")
+    else:
+        (folder / "run").mkdir()
+        write_card(folder / "run")
     before = content(folder)
     for given, message in MISTAKES[command].items():
         said = fails(capsys, *shlex.split(f"{command} {given}"))

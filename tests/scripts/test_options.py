@@ -73,8 +73,8 @@ def test_a_wrong_name_is_answered_without_anything_slow(line):
 
 
 def test_right_names_pass():
-    check_names("identify", ["--rate", "viscous", "--for", "any", "--out=x", "a.csv"], {})
-    check_names("list tasks", ["--json"], {})
+    check_names("identify", ["--rate", "viscous", "--for", "any", "--out=x", "a.csv"])
+    check_names("list tasks", ["--json"])
 
 
 def test_weightless_is_microgravity():

@@ -15,7 +15,7 @@ from activesuit.envs.policies.network import CARD
 from activesuit.errors import InputError
 from activesuit.scripts.main import main
 from activesuit.scripts.scene import scene
-from helpers import fails, run, shorten_tasks, without_volume_shares
+from helpers import fails, run, without_volume_shares
 from trained_runs import ENVIRONMENT, write_card
 
 OWN = '''
@@ -60,11 +60,6 @@ gymnasium.register("Mine/Gentle-v0", entry_point=gentle)
 gymnasium.register("Mine/NoArm-v0", entry_point=NoArm)
 gymnasium.register("Mine/NoneMade-v0", entry_point=lambda **options: NoArm())
 '''
-
-
-@pytest.fixture(autouse=True)
-def this_machine(tmp_path_factory, monkeypatch):
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
 
 
 @pytest.fixture
@@ -147,18 +142,6 @@ def test_another_option_is_one_sentence(tmp_path, given, message):
         scene(given, policies=(run,))
 
 
-@pytest.mark.parametrize(
-    "command",
-    [["evaluate", "--policies"], ["simulate", "--out", "out", "--policy"], ["view", "--policy"]],
-)
-def test_every_command_asks_the_run(tmp_path, monkeypatch, capsys, command):
-    monkeypatch.chdir(tmp_path)
-    run = run_folder(tmp_path / "run")
-    said = fails(capsys, *command, run, "--gravity", "earth")
-    assert "trained with 'moon': leave --gravity out" in said
-    assert [path.name for path in tmp_path.iterdir()] == ["run"]
-
-
 def test_runs_of_different_options_are_not_compared(tmp_path):
     one, other = run_folder(tmp_path / "one"), run_folder(tmp_path / "other", gravity="mars")
     same = run_folder(tmp_path / "same", algo="sac", seed=7)
@@ -223,12 +206,11 @@ def test_simulate_and_evaluate_keep_the_options(tmp_path, capsys, undrawn):
     assert len((tmp_path / "out" / "trace.csv").read_text().splitlines()) == 51
     capsys.readouterr()
     few = ["--policies", "none", "--motions", "8", "--unadapted", "--json"]
-    efforts = []
-    for more in (["--fatigue", "false"], ["--wearer.strength", "5"]):
-        main(["evaluate", *short, *few, *more])
-        found = json.loads(capsys.readouterr().out)
-        efforts.append(found["scores"]["none"]["effort"])
-    assert efforts[0] != efforts[1]
+    one, other = (
+        json.loads(run(capsys, "evaluate", *short, *few, *more))["scores"]["none"]["effort"]
+        for more in (["--fatigue", "false"], ["--wearer.strength", "5"])
+    )
+    assert one != other
 
 
 def test_a_benchmark_with_options_is_one_of_its_own():
@@ -241,9 +223,8 @@ def test_a_benchmark_with_options_is_one_of_its_own():
 
 
 @pytest.mark.slow
-def test_a_training_keeps_the_options(tmp_path, monkeypatch, capsys):
+def test_a_training_keeps_the_options(tmp_path, short, capsys):
     pytest.importorskip("stable_baselines3")
-    shorten_tasks(monkeypatch, 0.5)
     quick = tmp_path / "quick.yml"
     quick.write_text("default: {n_envs: 8, n_steps: 32, batch_size: 64}")
     out = tmp_path / "run"
@@ -258,10 +239,9 @@ def test_a_training_keeps_the_options(tmp_path, monkeypatch, capsys):
     assert card["training"]["randomize"] == {"load": 0.1}
     found = scene({}, policies=(str(out),)).options
     assert found["fatigue"] and "randomize" not in found
-    short = ["--policies", "none", str(out), "--motions", "8", "--unadapted", "--json"]
+    few = ["--policies", "none", out, "--motions", 8, "--unadapted", "--json"]
     capsys.readouterr()
-    main(["evaluate", *short, "--fatigue", "false"])
-    assert json.loads(capsys.readouterr().out)["fatigue"] is False
+    assert json.loads(run(capsys, "evaluate", *few, "--fatigue", "false"))["fatigue"] is False
     resume = ["train", "--out", out, "--resume", "--steps", 512, "--fatigue", "false"]
     assert "leave --fatigue out" in fails(capsys, *resume)
 
@@ -335,27 +315,25 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
-    shorten_tasks(monkeypatch, 0.5)
+def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, short):
     suit = load_suit("mock-suit")
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     half = tmp_path / "half.json"
     save_suit(suit.model_copy(update={"joints": elbow}), half)
-    short = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0"]
-    out = run(capsys, "validate", half, "--plant", "mock-suit", *short)
+    few = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0"]
+    out = run(capsys, "validate", half, "--plant", "mock-suit", *few)
     assert f"shoulder_flexion: not assisted, because {half} has no such joint" in out
-    out = run(capsys, "validate", "mock-suit", "--plant", half, *short, "--out", tmp_path / "out")
+    out = run(capsys, "validate", "mock-suit", "--plant", half, *few, "--out", tmp_path / "out")
     assert "shoulder_flexion: nothing to assist" in out
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert set(result["cells"][0]["torque"]["joints"]) == {"elbow_flexion"}
 
 
 @pytest.mark.slow
-def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch, tmp_path):
-    shorten_tasks(monkeypatch, 0.5)
+def test_a_suit_without_pressure_has_no_relief(capsys, short, tmp_path):
     suit = str(tmp_path / "suit.json")
     without_volume_shares(load_suit("emu-like")).save(suit)
-    short = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
-    out = run(capsys, "validate", suit, "--plant", suit, *short, "--out", tmp_path / "out")
+    few = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
+    out = run(capsys, "validate", suit, "--plant", suit, *few, "--out", tmp_path / "out")
     assert "so that relief has no meaning" in out
     assert json.loads((tmp_path / "out" / "result.json").read_text())["cells"][0]["relief"] is None

@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 from activesuit.plots import FIXED, PALETTE, Band, Cells, Intervals, Line, Panel, Plot
-from activesuit.scripts.folders import RunFolder, close_folders
+from activesuit.scripts.folders import RunFolder
 from activesuit.scripts.writer import Report, conclude
 
 EVIL = (
@@ -23,10 +23,7 @@ EVIL = (
 ANGLE = np.linspace(0, 1, 5000)
 
 
-@pytest.fixture(autouse=True)
-def closed():
-    yield
-    close_folders()
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 def test_references_have_colors_that_no_policy_has():

@@ -12,7 +12,7 @@ from activesuit.scripts.commands import demo as demo_module
 from activesuit.scripts.commands.demo import demo
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
-from helpers import shorten_tasks
+from helpers import fails, shorten_tasks
 
 PLACES = ("earth", "microgravity")
 
@@ -38,11 +38,6 @@ def run(tmp_path_factory):
     return path, done.stdout.rpartition("loaded: ")[2].split()
 
 
-@pytest.fixture(scope="module")
-def folder(run):
-    return run[0]
-
-
 @pytest.fixture
 def sketched(undrawn, monkeypatch):
     """For demos whose pictures nobody looks at: short motions on Earth, no figures, no arm."""
@@ -52,13 +47,10 @@ def sketched(undrawn, monkeypatch):
 
 
 @pytest.mark.slow
-def test_needs_no_torch(run):
-    assert "mujoco" in run[1]
-    assert not {"torch", "stable_baselines3"} & set(run[1])
-
-
-@pytest.mark.slow
-def test_the_page_has_both_joints_and_all_motions(folder):
+def test_the_page_has_both_joints_and_all_motions(run):
+    folder, modules = run
+    assert "mujoco" in modules
+    assert not {"torch", "stable_baselines3"} & set(modules)
     page = (folder / "report.html").read_text()
     names = [f"loops-{joint}" for joint in ("shoulder", "elbow")] + ["convergence"]
     names += [f"{x}-{y}" for x in ("trajectory", "torques", "motion-loops") for y in PLACES]
@@ -71,7 +63,8 @@ def test_the_page_has_both_joints_and_all_motions(folder):
 
 
 @pytest.mark.slow
-def test_numbers_are_there(folder):
+def test_numbers_are_there(run):
+    folder, _ = run
     fits = json.loads((folder / "fits.json").read_text())
     for joint in ("shoulder", "elbow"):
         assert set(fits[joint]) == {"sa-pso", "mpso", "certified"}
@@ -108,11 +101,9 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
 
 
 def interrupted(capsys, out, *more) -> str:
-    """Runs a demo that must be interrupted; returns what it says at the end."""
-    with pytest.raises(SystemExit) as stop:
-        main(["demo", "--trials", "1", "--motions", "8", "--out", str(out), *more])
-    assert stop.value.code == 2
-    message = capsys.readouterr().err.strip().splitlines()[-1]
+    """Runs a demo that must be interrupted; returns its last sentence."""
+    given = ["demo", "--trials", 1, "--motions", 8, "--out", out, *more]
+    message = fails(capsys, *given, shown=True)
     assert message.startswith("activesuit: interrupted: ")
     return message
 

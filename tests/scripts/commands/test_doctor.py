@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import nullcontext
 from importlib import metadata
 
 import pytest
@@ -16,17 +17,13 @@ from activesuit.scripts.commands import doctor as module
 from activesuit.scripts.main import main
 from numba import njit
 
+PICTURE = module.PICTURE
+
 
 @pytest.fixture(autouse=True)
-def no_pictures(monkeypatch, request):
-    """Draws nothing, which takes seconds, but where a test asks for it."""
-    if "draws" not in request.fixturenames:
-        monkeypatch.setattr(module, "PICTURE", "print('drawn')")
-
-
-@pytest.fixture
-def draws():
-    pass
+def no_pictures(monkeypatch):
+    """Draws nothing, since a picture takes seconds."""
+    monkeypatch.setattr(module, "PICTURE", "print('drawn')")
 
 
 def replace_versions(monkeypatch, **given):
@@ -43,47 +40,33 @@ def replace_versions(monkeypatch, **given):
 
 
 def shown(capsys, code=0):
-    if code:
-        with pytest.raises(SystemExit) as caught:
-            main(["doctor"])
-        assert caught.value.code == code
-    else:
+    with pytest.raises(SystemExit) if code else nullcontext() as caught:
         main(["doctor"])
+    assert not code or caught.value.code == code
     captured = capsys.readouterr()
     lines = [" ".join(line.split()) for line in captured.out.splitlines()]
     return lines, captured.err
 
 
-def test_a_sound_installation_has_a_line_for_each_thing(capsys):
+def test_a_sound_installation_has_a_line_for_each_part(capsys):
     lines, error = shown(capsys)
     assert not error
     for name in ("python", "mujoco", "numpy", "numba", "kernel cache", "MuJoCo plugins", "OpenGL"):
         assert any(line.startswith(f"ok {name}: ") for line in lines), name
     assert any("extra train" in line for line in lines)
     assert not any("extra dev" in line for line in lines)
-
-
-def test_json_has_the_same_checks(capsys):
     main(["doctor", "--json"])
     found = json.loads(capsys.readouterr().out)
-    assert found["ok"]
     python = next(one for one in found["checks"] if one["name"] == "python")
-    assert python["ok"]
-    assert python["needed"]
-    assert python["mend"] == ""
+    assert found["ok"] and python["ok"] and python["needed"] and python["mend"] == ""
 
 
 def test_an_old_and_a_missing_package_fail_with_their_mend(monkeypatch, capsys):
-    replace_versions(monkeypatch, rich=None, numba="0.50.0")
+    replace_versions(monkeypatch, rich=None, numba="0.50.0", onnx=None)
     lines, error = shown(capsys, code=2)
     assert "FAILS numba: 0.50.0; run pip install 'numba>=0.61'" in lines
     assert "FAILS rich: not installed; run pip install 'rich>=13'" in lines
     assert error == "activesuit: error: numba, rich must be mended: each line above says how\n"
-
-
-def test_an_extra_may_be_missing(monkeypatch, capsys):
-    replace_versions(monkeypatch, onnx=None)
-    lines, _ = shown(capsys)
     install = "pip install -e '.[onnx]' -c constraints.txt"  # as in docs/install.md
     assert f"- extra onnx: lacks onnx; run {install} in the clone to use it" in lines
 
@@ -121,7 +104,8 @@ def test_a_backend_that_does_not_draw(monkeypatch, capsys):
 
 
 @pytest.mark.render
-def test_a_picture_is_drawn(draws, monkeypatch, capsys):
+def test_a_picture_is_drawn(monkeypatch, capsys):
+    monkeypatch.setattr(module, "PICTURE", PICTURE)
     monkeypatch.setattr(module, "BACKENDS", {})
     lines, _ = shown(capsys)
     assert any(line.startswith("ok OpenGL: draws off-screen") for line in lines)
@@ -133,19 +117,12 @@ def test_it_counts_what_it_compiles(capsys, monkeypatch):
         return 2 * x
 
     monkeypatch.setenv(ALONE, "1")
-    for name in ("_plugins", "_arms", "_models", "_fit"):
+    for name in ("_plugins", "_arms", "_models"):
         monkeypatch.setattr(compiling, name, lambda: None)
     monkeypatch.setattr(compiling, "_fit", lambda: twice(1.0))
     for count in ("1", "none"):
         main(["doctor", "--compile"])
         assert f"kernels: all are compiled, {count} of them now\n" in capsys.readouterr().out
-
-
-COMMANDS = (
-    ["simulate", "--out", "s"],
-    ["evaluate", "--motions", "8", "--task", "ElbowFlexion", "--unadapted"],
-    ["identify", str(curves_path("elbow")), "--joint", "elbow_flexion"],
-)
 
 
 @pytest.mark.slow
@@ -159,5 +136,9 @@ def test_after_it_no_command_compiles_for_long(tmp_path):
 
     run("doctor", "--compile")
     assert "all are compiled, none of them now" in run("doctor", "--compile").stdout
-    for command in COMMANDS:
-        assert "kernels" not in run(*command).stderr
+    for command in (
+        "simulate --out s",
+        "evaluate --motions 8 --task ElbowFlexion --unadapted",
+        f"identify {curves_path('elbow')} --joint elbow_flexion",
+    ):
+        assert "kernels" not in run(*command.split()).stderr

@@ -1,4 +1,4 @@
-"""`activesuit identify`: rates, long records, and curves that it cannot take."""
+"""`activesuit identify`: rates, long records, and intended motions."""
 
 import io
 import json
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import load_suit
+from activesuit.assets import curves_path, load_suit
 from activesuit.hysteresis import BoucWen, Viscoelastic
 from activesuit.identification import Curve, Curves, save_curves
 from activesuit.scripts.main import main
@@ -166,3 +166,38 @@ def test_several_files_with_named_columns(capsys, tmp_path, elbow):
     result = json.loads(run(capsys, *files, *options, "--decimal", ",", "--json"))
     assert result["nrmse"] < 1e-3
     assert len(result["reading"]) == 3
+
+
+def intended(capsys, *arguments) -> str:
+    return run(capsys, curves_path("elbow"), "--model", "bouc-wen", *arguments)
+
+
+def test_without_a_use_the_result_has_the_coverage_only(capsys):
+    reported = json.loads(intended(capsys, "--json"))["coverage"]
+    assert reported["measured"]["range"] == [0.52, 1.57]
+    assert reported["measured"]["nesting"] == 1
+    assert reported["measured"]["reversals"] == 3  # without the curves that are kept out of the fit
+    assert (reported["needed"], reported["shortfalls"]) == (None, [])
+    assert "note: the intended" not in intended(capsys)
+
+
+def test_the_motions_of_a_task(capsys, tmp_path, undrawn):
+    text = intended(capsys, "--for", "MinorLoops", "--out", tmp_path)
+    reported = json.loads((tmp_path / "result.json").read_text())["coverage"]
+    assert reported["for"] == "MinorLoops"
+    assert reported["needed"]["nesting"] > 2
+    assert reported["needed"]["rates"][1] > 0.5
+    assert "curves at most 1: first-order curves do not identify nested loops" in text
+    assert all(f"note: {sentence}" in text for sentence in reported["shortfalls"])
+
+
+def test_a_motion_outside_the_fitted_range_is_a_sentence(capsys, tmp_path):
+    (tmp_path / "wide.csv").write_text("angle_rad\n0.3\n2.0\n0.3\n")
+    text = intended(capsys, "--for", tmp_path / "wide.csv")
+    assert "note: the intended motion goes from 0.3 to 2 rad, the curves from 0.52 to 1.57" in text
+    own = "time,shoulder_abduction,shoulder_flexion,elbow_flexion,wrist_flexion\n"
+    (tmp_path / "own.csv").write_text(f"{own}0,9,9,0.6,9\n1,9,9,1.5,9\n2,9,9,0.6,9\n")
+    reported = json.loads(intended(capsys, "--for", tmp_path / "own.csv", "--json"))["coverage"]
+    assert reported["needed"]["range"] == [0.6, 1.5]
+    (sentence,) = reported["shortfalls"]
+    assert sentence.startswith("the intended motion moves at up to 0.9 r")

@@ -7,8 +7,7 @@ import pytest
 from activesuit.assets import load_suit
 from activesuit.identification import load_curves
 from activesuit.scripts.commands import rig as command
-from activesuit.scripts.main import main
-from helpers import run
+from helpers import fails, run
 
 
 @pytest.mark.slow
@@ -50,12 +49,8 @@ def test_what_is_written(capsys, tmp_path, undrawn):
     assert config["predict"] == [1.0]
     assert config["start_angle"] == 0.52
     run(capsys, "rig", *arguments, "--predict", 1.1, "--force")
-    assert [curve.role for curve in load_curves(result["curves"])] == [
-        "fit",
-        "fit",
-        "predict",
-        "fit",
-    ]
+    roles = [curve.role for curve in load_curves(result["curves"])]
+    assert roles == ["fit", "fit", "predict", "fit"]
 
 
 def test_an_interrupted_measurement_leaves_nothing(capsys, tmp_path, monkeypatch):
@@ -63,7 +58,5 @@ def test_an_interrupted_measurement_leaves_nothing(capsys, tmp_path, monkeypatch
         raise KeyboardInterrupt
 
     monkeypatch.setattr(command, "run_rig", interrupt)
-    with pytest.raises(SystemExit):
-        main(["rig", "--out", str(tmp_path / "out")])
-    assert "interrupted" in capsys.readouterr().err
+    assert "interrupted" in fails(capsys, "rig", "--out", tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -32,9 +32,8 @@ class Killed(BaseException):
 
 
 @pytest.fixture(autouse=True)
-def quick(monkeypatch, tmp_path):
+def quick(monkeypatch):
     """Short motions, three checkpoints, and evaluations that follow from the weights alone."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setattr(learn, "CHECKPOINTS", 3)
     monkeypatch.setattr(Evaluations, "evaluated", by_weights)
     shorten_tasks(monkeypatch, PERIODS / 100)

@@ -23,12 +23,6 @@ def opengl():
     renderer.close()
 
 
-@pytest.fixture
-def short(monkeypatch):
-    """For films of whole episodes, which then take 1 s instead of 10 s."""
-    shorten_tasks(monkeypatch, 1.0)
-
-
 @pytest.mark.render
 def test_a_snapshot_shows_what_is_asked_for(capsys, tmp_path, opengl):
     pictures = []
@@ -55,7 +49,8 @@ def test_the_panel_moves_with_the_motion():
 @pytest.mark.slow
 @pytest.mark.render
 @pytest.mark.parametrize("kind", ["gif", "mp4"])
-def test_an_episode_is_filmed_whole_in_real_time(capsys, tmp_path, opengl, short, kind):
+def test_an_episode_is_filmed_whole_in_real_time(capsys, tmp_path, opengl, monkeypatch, kind):
+    shorten_tasks(monkeypatch, 1.0)
     imageio = pytest.importorskip("imageio.v3")
     films = []
     for seed in ("0", "1"):
