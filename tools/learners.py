@@ -1,4 +1,4 @@
-"""Measures what docs/learners.md reports: `python -m activesuit.tools.learners NAME`.
+"""Measures the learners that docs/training.md reports: `python -m activesuit.tools.learners NAME`.
 
 A learner trains by its program in docs/learners, and `activesuit evaluate` scores what it has
 learned. TorchRL and RLlib need environments of their own, whose interpreters `--python` names. The
@@ -32,7 +32,7 @@ NOISES = (1.0, 0.08)  # standard deviations of actions
 
 
 class Learner(NamedTuple):
-    """A learner of docs/learners.md: its program, the policy that this saves, and packages."""
+    """A learner of docs/learners: its program, the policy that this saves, and packages."""
 
     program: str
     policy: str

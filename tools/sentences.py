@@ -4,62 +4,26 @@ A test looks for each in its page; where it is missing, the result has changed, 
 must follow.
 """
 
-from collections.abc import Callable, Iterator
-from itertools import chain, product
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from scipy.stats import kendalltau
 
 from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
-from ..envs.policies.trained import shipped_policies
-from .learners import BESIDE, LEARNERS, kept_learner
-from .measure import kept
-from .results import (
-    BY_PPO,
-    WEIGHTLESS,
-    interval,
-    percent,
-    relief_at,
-    scores,
-    settings,
-    signed,
-    standing,
-    standings,
-)
+from .learners import LEARNERS, kept_learner
+from .measure import MUSCLE_SETTINGS, kept
+from .results import interval, relief_at, signed, standing, standings
 
 AIMED = ("ReachPanel", "ObjectRelocation")
 LOADED = ("ObjectRelocation", "Ratchet")
 REPEATED = ("Ratchet", "Handrail", "Scoop")
-
-
-def _controllers() -> Iterator[str]:
-    earth = scores("earth")
-    bare, suited, off = (100 * earth[name]["effort"] for name in (*REFERENCES, "none"))
-    yield f"from {bare:.1f} to {suited:.1f} % of strength"
-    yield f"motors off adds {off - suited:.1f} points"
-    both = [one for place in (earth, scores(WEIGHTLESS)) for one in place.values()]
-    apart = max(abs(one["unadapted_effort"] - one["effort"]) for one in both)
-    yield f"differ by at most {100 * apart:.1f} points"
-    pairs = [
-        f"{1e3 * one['unadapted_tracking']:.0f} against {1e3 * one['tracking']:.0f}"
-        for one in (earth["suited"], scores(WEIGHTLESS)["none"])
-    ]
-    yield f"{pairs[0]} mrad in the suit on Earth, {pairs[1]} with the motors off, in microgravity"
-    rigid = [one["scores"] for where, one in settings().items() if "rigid" in where]
-    errors = [
-        1e3 * max(one[name]["tracking"] for one in rigid) for name in ("none", "compensation")
-    ]
-    yield f"within {errors[0]:.0f} mrad of the intention"
-    yield f"one under compensation within {errors[1]:.0f}"
-    stiff = kept("cuffs-weightless")["result"]["scores"]
-    corrected, usual = stiff["corrected"], stiff["compensation"]
-    yield f"relief is {interval(corrected['relief'])} instead of {interval(usual['relief'])}"
-    errors = (f"{1e3 * one['tracking']:.0f}" for one in (corrected, usual))
-    yield f"the tracking error {' instead of '.join(errors)} mrad"
-    found = kept("laws-earth")["result"]["scores"]
-    errors = (f"{1e3 * found[name]['tracking']:.1f}" for name in ("impedance", "compensation"))
-    yield f"to {' mrad on Earth, where compensation is at '.join(errors)}"
+RELIEFS: dict[str, Callable[[dict[str, Any]], Mapping[str, float]]] = {
+    "torque": lambda one: one["relief"],
+    "activation": lambda one: one["muscles"]["effort_relief"],
+    "power": lambda one: one["muscles"]["power_relief"],
+}
 
 
 def _benchmark() -> Iterator[str]:
@@ -102,130 +66,72 @@ def _relief(task: str, level: str, suit: str, policy: str) -> str:
     return "-" if found is None else f"{found.mean():.2f}"
 
 
-def _tasks() -> Iterator[str]:
-    failed = [
-        f"{100 - _success('ReachPanel', level, 'emu-like', 'best-known-plan'):.0f}"
-        for level in standings().levels
-    ]
-    yield "It fails `ReachPanel` in {}, {} and {} % of the motions".format(*failed)
-    beyond = 100 - _success("Hammer", "randomized", "emu-like", "unsuited")
-    yield f"are beyond the wearer even unsuited in {beyond:.0f} % of the motions"
-
-
 def _model() -> Iterator[str]:
     cases = [one for one in kept("sensitivity")["result"]["cases"] if one["change"] != "nominal"]
     turned = sum("observer relieves more than compensation" in one["flipped"] for one in cases)
     yield f"{turned} of {len(cases)} changes turn their order"
 
 
-def _environments() -> Iterator[str]:
-    earth, space = scores("earth"), scores(WEIGHTLESS)
-    pairs = {
-        name: f"{earth[name]['reward']:.2f}{between}{space[name]['reward']:.2f}"
-        for name, between in (("suited", " on Earth and "), ("unsuited", " and "))
-    }
-    both = f"{earth['compensation']['reward']:.2f} and {space['compensation']['reward']:.2f}"
-    yield f"earns {pairs['suited']} in microgravity, the unsuited one {pairs['unsuited']}"
-    yield f"compensation {both}"
-    rows = {(one["what"], one["against"]): one for one in kept("bench-env")["result"]["rows"]}
-    reset = rows["reset of 1024 rows", ""]["ours"]
-    yield f"takes {reset:.2f} ms a row"
-    yield f"their process {rows['memory of 1024 rows', '']['ours']:.0f} MB"
-
-
 def _training() -> Iterator[str]:
-    result = kept("bench-train")["result"]
-    first, *_, forward = result["rows"]
-    yield f"{first['ratio']:.1f} times as fast as version 0.1"
-    yield f"{first['reference_cpu'] / first['cpu']:.1f} times by processor time"
-    share, ratio = result["training"][0]["shares"]["forward passes"], forward["ratio"]
-    yield f"take {100 * share:.0f} % of the time, and NumPy does them {ratio:.1f} times as fast"
-    yield f"at most {100 * share * (1 - 1 / ratio):.0f} % less time"
-    levels = standings().levels
-    by_level = [[float(relief_at(name, one)) for name in shipped_policies()] for one in levels]
-    usual = (relief_at("compensation", one) for one in levels)
-    ranges = (
-        f"{min(found):.2f} to {max(found):.2f} where compensation has {compensation}"
-        for found, compensation in zip(by_level, usual, strict=True)
-    )
-    yield ", ".join(f"{found} at {level}" for found, level in zip(ranges, levels, strict=True))
-
-
-def _learning() -> Iterator[str]:
-    beside = kept("learning")["result"]["beside"]
-    compensation, adaptive, _ = dict.fromkeys(one["policy"] for one in beside)
-    tasks = tuple(dict.fromkeys(one["task"] for one in beside))
-    *unloaded, loaded = tasks
-    gains = {
-        (way, task): _learned(task, way)[-1]["value"] - _learned(task, compensation)[-1]["value"]
-        for way, task in product(("residual", "ppo-history"), tasks)
-    }
-    corrected = (f"{gains['residual', task]:.2f} in `{task}`" for task in unloaded)
-    yield f"correction gets {' and '.join(corrected)} more relief than compensation"
-    alone, corrected = gains["ppo-history", loaded], gains["residual", loaded]
-    yield f"gets {alone:.2f} in `{loaded}` (the correction {corrected:.2f})"
-    both = (_succeeded(loaded, name)[-1] for name in (adaptive, "ppo-history"))
-    yield "succeeds in {} of the motions, and the network in {}".format(*both)
-    pairs = [
-        pair
-        for task in tasks
-        for pair in zip(_learned(task, "ppo"), _learned(task, "ppo-history"), strict=True)
-    ]
-    usual, longer = (one["value"] for one in pairs[-1])
-    yield f"raise its relief from {usual:.2f} to {longer:.2f}"
-    better = sum(longer["low"] > usual["high"] for usual, longer in pairs)
-    worse = [(usual, longer) for usual, longer in pairs if longer["high"] < usual["low"]]
-    yield f"better than one in {better} of {len(pairs)} settings and worse in {len(worse)}"
-    usual, longer = worse[0]
-    place = f"`{longer['task']}` at `{longer['level']}`"
-    yield f"{place} ({longer['value']:.2f} instead of {usual['value']:.2f})"
-    for who, text in (
-        ("residual", "correction succeeds in {}, {} and {} of the motions at the three levels"),
-        ("ppo", "network alone in {}, {} and {}"),
-        (compensation, "(compensation: {}, {} and {})"),
-    ):
-        yield text.format(*_succeeded(loaded, who))
-    both = (_succeeded("RangeOfMotion", way)[-1] for way in ("ppo", "residual"))
-    yield "network alone succeeds in {}, and the correction in {}".format(*both)
-
-
-def _learned(task: str, name: str) -> list[dict[str, Any]]:
-    """Returns the results of a way of training, or of a policy beside it, at each level."""
-    found = [kept(one)["result"] for one in BY_PPO]
-    rows = [*found[0]["beside"], *(end for one in found for end in one["ends"])]
-    who = ({**one, "name": one.get("way") or one["policy"]} for one in rows)
-    return [one for one in who if (one["task"], one["name"]) == (task, name)]
-
-
-def _succeeded(task: str, name: str) -> list[str]:
-    return [percent(one["success"]) for one in _learned(task, name)]
-
-
-def _learners() -> Iterator[str]:
     for name, learner in LEARNERS.items():
         found = kept_learner(name)["result"]
         versions = (f"{title} {found['versions'][one]}" for one, title in learner.packages.items())
-        yield f"(learners/{learner.program}) | {', '.join(versions)} |"
-        yield " ".join(f"{n} steps: mean reward {one:.3f}" for n, one in found["rewards"].items())
-        yield f"finds a relief of {interval(found['relief'][learner.policy])}"
-    found = kept_learner("torch")["result"]
-    beside = [signed(found["relief"][name]["value"]) for name in BESIDE]
-    yield f"has {beside[0]}; `gravity` has {beside[1]} and `compensation`"
-    yield f"which knows the suit, {beside[2]}"
-    *seeds, last = (signed(one["my-ppo"]["value"]) for one in found["seeds"].values())
-    yield f"it was {', '.join(seeds)} and {last} with the seeds"
-    rewards = [f"{one:.2f}" for one in found["noise"].values()]
-    yield f"earns {rewards[0]} in a control period with the usual standard deviation of 1, and"
-    yield f"and {rewards[1]} with 0.08"
+        relief = interval(found["relief"][learner.policy])
+        yield f"(learners/{learner.program}) | {', '.join(versions)} | {relief} |"
+
+
+def _gpu() -> Iterator[str]:
+    rows = kept("bench-gpu-h200")["result"]["rows"]
+    more = [100 * (1 / one["ratio"] - 1) for one in rows]
+    yield f"adds {min(more):.1f} to {max(more):.1f} % to the time of a step"
+    yield f"16,384 worlds take {1e3 / rows[-1]['ours']:.1f} million steps per second"
+
+
+def _device() -> Iterator[str]:
+    rows = {one["model"]: one for one in kept("bench-device")["result"]["rows"]}
+    preisach = rows["preisach"]
+    others = [one for name, one in rows.items() if name != "preisach"]
+    state, tables = ([4 * one[name] for one in others] for name in ("state", "constants"))
+    yield f"has {min(state)} to {max(state)} bytes in float, and the tables (flash) {min(tables)}"
+    yield f"to {max(tables)}; a Preisach model has {4 * preisach['state']} and"
+    yield f"{4 * preisach['constants']:,}, since it remembers 64 nested turning points"
+    worst = (max(one[kind]["difference"] for one in rows.values()) for kind in ("float", "double"))
+    single, double = (f"{one:.0e}".replace("e-0", "e-") for one in worst)
+    yield f"float differs by at most {single} of the peak torque, and double by {double}"
+
+
+def _muscles() -> Iterator[str]:
+    pairs = (("torque", "activation"), ("torque", "power"), ("activation", "power"))
+    least = min(_agreement(name, *pair) for name in MUSCLE_SETTINGS for pair in pairs)
+    yield f"Kendall's tau is {least:.2f} or more in each of six settings"
+    earth = [_compensation(f"muscles-{suit}-earth") for suit in ("mock", "emu")]
+    torque = " and ".join(signed(one["relief"]["value"]) for one in earth)
+    activation = " and ".join(signed(one["muscles"]["effort_relief"]["value"]) for one in earth)
+    yield f"relief of compensation by torque is {torque}. By activation it is {activation}"
+    low, high = _compensation("muscles-mock-microgravity")["muscles"]["power_relief_range"]
+    yield f"the range goes from {signed(low)} to {signed(high)}"
+    yield f"wrists are {kept('bench-muscles')['result']['map']['wrist [mm]'][0]:.0f} mm apart"
+
+
+def _agreement(name: str, one: str, other: str) -> float:
+    """Returns Kendall's tau between two reliefs over the policies of an experiment."""
+    scores = kept(name)["result"]["scores"]
+    found = [score for policy, score in scores.items() if policy not in REFERENCES]
+    values = [[RELIEFS[what](score)["value"] for score in found] for what in (one, other)]
+    tau: Any = kendalltau(*values)
+    return float(tau.statistic)
+
+
+def _compensation(name: str) -> dict[str, Any]:
+    return kept(name)["result"]["scores"]["compensation"]
 
 
 FACTS: dict[str, Callable[[], Iterator[str]]] = {
-    "controllers.md": _controllers,
     "benchmark.md": _benchmark,
-    "tasks.md": _tasks,
     "model.md": _model,
-    "environments.md": _environments,
-    "training.md": lambda: chain(_training(), _learning()),
-    "learners.md": _learners,
+    "training.md": _training,
+    "gpu.md": _gpu,
+    "device.md": _device,
+    "muscles.md": _muscles,
 }
 """Parts of sentences by the page that has them."""

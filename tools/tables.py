@@ -5,6 +5,7 @@ text around it is written by hand.
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -14,16 +15,17 @@ from ..envs.observation import BELIEF, SUITES
 from ..envs.person import control
 from ..envs.provenance import Quantity
 from ..envs.simulation.measurements import COLUMNS
-from ..envs.tasks import TASKS
-from ..errors import InputError
+from ..envs.tasks import TASKS, Task
+from ..envs.tasks.task import FARTHEST
+from ..errors import InputError, unknown_name
 from ..files import write_text
 from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
 from ..tables import markdown_table
-from .changes import CHANGES
-from .muscle_results import MUSCLE_TABLES, muscle_strength
-from .results import RESULT_TABLES
+from .results import door, muscle_bare, reliefs
 
-DOCS = Path(__file__).parent.parent / "docs"
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
+MARK = re.compile("<!-- made by tables.py: (.+) -->")
 
 _GAINS = {
     "stiffness.base": "stiffness without torque, $K_0$",
@@ -75,20 +77,34 @@ def gains() -> str:
         for joint in JOINTS:
             name = name.removesuffix(f".{joint}")
         groups.setdefault(name, []).append(quantity)
-    header = ["gain", "value", "unit", "source", "grade"]
+    header = ["gain", "value", "unit", "grade"]
     rows = [[_GAINS[name], *_gain(group)] for name, group in groups.items()]
     return markdown_table(header, rows)
 
 
 def tasks() -> str:
     """Returns the table of the tasks."""
-    header = ["id", "motion and load", "lasts", "place", "succeeds with", "source"]
+    header = ["task", "motion and load", "lasts", "place", "limits"]
     rows = []
     for name, task in TASKS.items():
-        motion, place = task.about, task.place
-        cells = [f"`ActiveSuit/{name}-v0`", motion, f"{task.duration:g} s", place]
-        rows.append([*cells, task.rule, task.source])
+        limits = [*_limits(task)]
+        rows.append(
+            [f"`{name}`", task.about, f"{task.duration:g} s", task.place, ", ".join(limits)]
+        )
     return markdown_table(header, rows)
+
+
+def _limits(task: Task) -> Iterator[str]:
+    """Yields the limits of joints and effort, then those of the hand."""
+    yield f"{1e3 * task.tracking:.0f} mrad"
+    yield f"{100 * task.effort:.0f} %"
+    for value, text in (
+        (task.hand_error, f"{100 * task.hand_error:.0f} cm"),
+        (task.tilt, f"tilt {task.tilt:g} rad"),
+        (task.slowness, f"{100 * task.slowness:.0f} % too slow"),
+    ):
+        if value < FARTHEST:
+            yield text
 
 
 def levels() -> str:
@@ -117,7 +133,6 @@ def _gain(group: Sequence[Quantity]) -> Iterator[str]:
     values = [f"{quantity.value:g}" for quantity in group]
     yield ", ".join(values if len(set(values)) > 1 else values[:1])
     yield group[0].unit
-    yield "; ".join(dict.fromkeys(quantity.source for quantity in group))
     yield ", ".join(dict.fromkeys(quantity.grade for quantity in group))
 
 
@@ -125,38 +140,44 @@ def _number(value: float) -> str:
     return "π" if value == math.pi else f"{value:,g}"
 
 
-TABLES: dict[str, dict[str, Callable[[], str]]] = {
-    **RESULT_TABLES,
-    "model.md": {"gains": gains, **RESULT_TABLES["model.md"], "strengths": muscle_strength},
-    "muscles.md": MUSCLE_TABLES,
-    "changes_of_numbers.md": CHANGES,
-    "training.md": {"algorithms": algorithms, **RESULT_TABLES["training.md"]},
-    "tasks.md": {"tasks": tasks, "levels": levels, **RESULT_TABLES["tasks.md"]},
-    "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},
+TABLES: dict[str, Callable[[], str]] = {
+    "results": door,
+    "settings": reliefs,
+    "bare": muscle_bare,
+    "gains": gains,
+    "algorithms": algorithms,
+    "tasks": tasks,
+    "sensor suites": sensor_suites,
+    "levels": levels,
 }
-"""The tables by page and mark."""
+"""The tables by the name in their marks."""
 
 
-def page(name: str) -> str:
+def marks(path: Path) -> list[str]:
+    """Returns the names of the tables in a page."""
+    return MARK.findall(path.read_text(encoding="utf-8"))
+
+
+def page(path: Path) -> str:
     """Returns the text of a page with its tables as the code has them.
 
-    Args:
-        name: Name of the page, one of `TABLES`.
-
     Raises:
-        InputError: A mark is missing.
+        InputError: No table has that name, or its second mark is missing.
     """
-    text = (DOCS / name).read_text(encoding="utf-8")
-    for title, table in TABLES[name].items():
-        begin, end = f"<!-- made by tables.py: {title} -->\n", f"<!-- end: {title} -->"
-        if text.count(begin) != 1 or text.count(end) != 1:
-            raise InputError(f"{name} has not both marks of {title!r}: put {begin!r} and {end!r}")
+    text = path.read_text(encoding="utf-8")
+    for name in marks(path):
+        if name not in TABLES:
+            raise unknown_name("table", name, [*TABLES])
+        begin, end = f"<!-- made by tables.py: {name} -->\n", f"<!-- end: {name} -->"
         before, rest = text.split(begin)
-        text = f"{before}{begin}\n{table()}\n\n{end}{rest.split(end)[1]}"
+        if rest.count(end) != 1:
+            raise InputError(f"{path.name} has the mark {begin!r}: put {end!r} below it, once")
+        text = f"{before}{begin}\n{TABLES[name]()}\n\n{end}{rest.split(end)[1]}"
     return text
 
 
 if __name__ == "__main__":
-    for name in TABLES:
-        write_text(DOCS / name, page(name))
-        print(f"wrote {DOCS / name}")
+    for path in PAGES:
+        if marks(path):
+            write_text(path, page(path))
+            print(f"wrote {path}")

@@ -1,4 +1,4 @@
-"""What docs/learners.md reports is what a program has measured."""
+"""What docs/training.md reports of learners is what a program has measured."""
 
 import sys
 

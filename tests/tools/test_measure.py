@@ -23,7 +23,7 @@ def test_every_experiment_is_kept_with_its_command():
         content = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
         assert content["command"] == command_line(name), name
     # Numbers of version 0.2, which no command gives any more.
-    others = {"suite-2", "learning", *(path.stem for path in FOLDER.glob("learning-*.json"))}
+    others = {"learning", *(path.stem for path in FOLDER.glob("learning-*.json"))}
     tuned = ("ppo", "recurrent-ppo", "sac")
     others |= {f"hyperparameters-{name}" for name in tuned}  # of `tools.tune_training`
     others |= {f"learner-{name}" for name in LEARNERS}  # of `tools.learners`
