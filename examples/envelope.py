@@ -17,7 +17,8 @@ Shoulder flexion and the elbow have motors, up to their continuous torque and wi
 abduction and wrist have none. The suit is in its steady cycle: on the loading branch every joint
 comes from the lower end of its range, on the unloading branch from the upper one. The column
 reached has what the suited arm reaches at any effort, the column lost what can be kept suited but
-not assisted. The deviation is the standard error over eight lattices of cubes.
+not assisted. The deviation is the standard error over eight lattices of cubes. The figure has the
+conditions in the suit.
 
 The suit costs most of the envelope. The motors give back a part; where assisted and unlimited are
 alike, abduction and wrist limit the hand. Most of these postures are beyond the angles at which the
@@ -47,7 +48,7 @@ SUSTAINED = 0.15  # share of isometric strength, Schmidt 2001
 WRIST_ANGLES = 65
 SAMPLES = 201  # angles of a joint at which its torques are tabulated, as many as a cycle has
 ROUNDING = 1e-9  # rad, distance by which an angle may miss its range
-COLORS = ("#8a94a6", "#0072b2", "#d55e00", "#009e73")  # by condition
+COLORS = ("#0072b2", "#d55e00", "#009e73")  # of the conditions in the suit
 
 
 class Arm(NamedTuple):
@@ -257,25 +258,24 @@ def litres(kept: NDArray[np.bool_], spacing: float) -> str:
 
 
 def draw(volumes: dict[tuple[str, str, str], list[float]]) -> Figure:
-    """Draws the volumes that can be kept [l], a panel for each branch.
+    """Draws the volumes that can be kept in the suit [l], a panel for each suit and branch.
 
     Args:
         volumes: Volumes by suit, place and branch, in the order of `CONDITIONS`.
     """
-    settings = list(dict.fromkeys(setting[:2] for setting in volumes))
-    figure = Figure(figsize=(8, 4.2), layout="constrained")
-    panels = figure.subplots(1, len(BRANCHES), sharey=True)
-    for ax, branch in zip(panels, BRANCHES, strict=True):
-        for i, (condition, color) in enumerate(zip(CONDITIONS, COLORS, strict=True)):
-            heights = [volumes[*setting, branch][i] for setting in settings]
-            places = np.arange(len(settings)) + 0.2 * (i - 1.5)
-            ax.bar(places, heights, 0.18, color=color, label=condition)
-        ax.set_title(f"{branch} branch")
-        names = ["\n".join(setting) for setting in settings]
-        ax.set_xticks(range(len(settings)), names, rotation=30, ha="right", rotation_mode="anchor")
+    suits, places, _ = (list(dict.fromkeys(names)) for names in zip(*volumes, strict=True))
+    figure = Figure(figsize=(7, 2.6 * len(suits) + 0.4), layout="constrained")
+    panels = figure.subplots(len(suits), len(BRANCHES), squeeze=False, sharex=True, sharey=True)
+    for ax, (suit, branch) in zip(panels.flat, product(suits, BRANCHES), strict=True):
+        for i, condition in enumerate(CONDITIONS[1:]):
+            heights = [volumes[suit, place, branch][i + 1] for place in places]
+            at = np.arange(len(places)) + 0.27 * (i - 1)
+            ax.bar(at, heights, 0.25, color=COLORS[i], label=condition)
+        ax.set_title(f"{suit}, {branch}")
+        ax.set_xticks(range(len(places)), places)
         ax.grid(axis="y", alpha=0.3)
-    panels[0].set_ylabel("where a hand can stay [l]")
-    lines = panels[0].get_legend_handles_labels()
+    figure.supylabel("volume where a hand can stay [l]")
+    lines = panels[0, 0].get_legend_handles_labels()
     figure.legend(*lines, loc="outside upper center", ncols=len(CONDITIONS), frameon=False)
     return figure
 
