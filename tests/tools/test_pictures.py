@@ -30,7 +30,8 @@ def test_no_picture_is_older_than_its_program_or_its_data():
     assert not old, f"make them again: python -m activesuit.tools.pictures {' '.join(old)}"
 
 
-def test_every_picture_has_a_program_and_a_page():
+def test_every_picture_and_page_has_its_program():
+    assert {path.stem for path in EXAMPLE_PAGES.glob("*.md")} == {*EXAMPLE_NAMES}
     pages = [path.read_text(encoding="utf-8") for path in DOCS.glob("**/*.md")]
     for path in (*FIGURES.iterdir(), *EXAMPLE_PAGES.iterdir()):
         if path.suffix in ENDINGS:
@@ -45,10 +46,6 @@ def test_every_picture_has_a_program_and_a_page():
 def test_the_page_of_an_example_begins_as_its_docstring(name):
     page = (EXAMPLE_PAGES / f"{name}.md").read_text(encoding="utf-8")
     assert page.startswith(introduction(name)), f"python -m activesuit.tools.pictures {name}"
-
-
-def test_every_page_of_an_example_has_its_program():
-    assert {path.stem for path in EXAMPLE_PAGES.glob("*.md")} == {*EXAMPLE_NAMES}
 
 
 @pytest.mark.parametrize(
@@ -89,21 +86,3 @@ def test_a_program_draws_its_pictures(name, tmp_path, monkeypatch):
     drawn = [path.name for path in tmp_path.iterdir() if path.suffix in ENDINGS]
     assert drawn
     assert all((FIGURES / one).exists() for one in drawn)
-
-
-def test_an_example_is_made_with_its_page_and_picture(tmp_path, monkeypatch):
-    program = tmp_path / "tiny.py"
-    program.write_text(
-        '"""Title.\n\nBegin.\n\nEnd.\n"""\nopen("tiny.png", "wb").close()\nprint("1 N·m")\n'
-    )
-    monkeypatch.setattr(pictures, "programs", lambda: {"tiny": program})
-    monkeypatch.setattr(pictures, "KEPT", tmp_path / "pictures.json")
-    monkeypatch.setattr(pictures, "EXAMPLES", tmp_path)
-    monkeypatch.setattr(pictures, "EXAMPLE_PAGES", tmp_path)
-    pictures.make("tiny")
-    assert (tmp_path / "tiny.png").exists()
-    assert (tmp_path / "tiny.md").read_text(encoding="utf-8") == (
-        "# Title\n\nBegin.\n\n```bash\npython examples/tiny.py\n```\n\n```text\n1 N·m\n```\n\n"
-        "![Figure of this program](tiny.png)\n\nEnd.\n"
-    )
-    assert not stale()
