@@ -1,26 +1,16 @@
 """What the next second of a motion would be under each of some policies.
 
-Whole motions mix what a policy does now with what it did before. From one and the same state, which
-policy would have helped most?
-
-A base policy, feed-forward, moves each of 20 arms for two seconds. The whole state is kept there,
-and from it the next second goes on under each policy in turn: with the same past to the last bit,
-the same intention, wearer and noise. A policy has watched the past, so that its memory is right,
-but what it answered did not count. The wearers are unadapted: what adapted ones would foresee
-depends on the policy. The suit is `emu-like`, and there is no gravity.
+From one and the same state of 20 arms, two seconds after their start, the next second goes on under
+each policy in turn, with the same past, intention, wearer and noise. The wearers are unadapted, the
+suit is `emu-like`, and there is no gravity.
 
 Effort is the root mean square of the wearer's torque over strength. Regret is the effort less that
-under the best known plan, motion by motion, with its 95 % interval. That plan is of the whole
-motion and for a guided wearer, not of the state in which it takes over, so that regret can be below
-0 where the state is far from it. The error is the root mean square of the actual less the intended
-angles.
+under the best known plan, motion by motion, with its 95 % interval; it can be below 0, since that
+plan is of the whole motion. The error is the root mean square of the actual less the intended
+angles. The figure shows the first of the motions, and the regret in all.
 
-A model of the suit is what helps in the next second, too. Feed-forward and compensation have one,
-and leave little regret; motors that are off, or hide only the exoskeleton's own weight and
-friction, leave the suit to the wearer. The figure shows the first of the motions, and the regret in
-all.
-
-[Controllers and scores](../controllers.md) explains policies, effort and the best known plan.
+Policies with a model of the suit leave little regret in the next second, too.
+[Controllers and scores](../../controllers.md) explains policies and effort.
 """
 
 from collections.abc import Sequence

@@ -1,8 +1,8 @@
 """Where can a hand stay without getting tired?
 
-Schmidt (2001) calls it the work envelope: the hand positions that need less than 15 % of the
-greatest isometric strength at every joint, by inverse kinematics and a hysteresis model of the
-suit's torque. Here a position counts if any posture that reaches it takes at most 15 %.
+The work envelope of Schmidt (2001, thesis, MIT, and SAE 2001-01-2162) has the hand positions at
+which every joint needs less than 15 % of its greatest isometric strength. Here a position counts if
+any posture that reaches it takes at most 15 %.
 
 Each column of litres is a condition of the arm, with the torque that is left to the wearer:
 
@@ -13,41 +13,17 @@ Each column of litres is a condition of the arm, with the torque that is left to
 | assisted | suit and exoskeleton | what the motors leave |
 | unlimited | the same | the same, with motors of any torque |
 
-At shoulder flexion and at the elbow a motor takes the torque that holds the joint, up to its
-continuous torque. The wearer gives the rest; at abduction and wrist, which have no motor, all of
-it, the weight of the exoskeleton included. The motors know that torque exactly. Their friction,
-which would help to hold, is left out.
+Shoulder flexion and the elbow have motors, up to their continuous torque and without friction;
+abduction and wrist have none. The suit is in its steady cycle: on the loading branch every joint
+comes from the lower end of its range, on the unloading branch from the upper one. The column
+reached has what the suited arm reaches at any effort, the column lost what can be kept suited but
+not assisted. The deviation is the standard error over eight lattices of cubes. The figure has the
+conditions in the suit.
 
-The suit is in the steady cycle over the range in which each joint moves. On the loading branch
-every joint comes from the lower end of its range, on the unloading branch from the upper one.
-
-The column reached has what the hand of the suited arm reaches at any effort. In the figure that is
-dark gray, and light gray is what it reaches without the suit.
-
-Positions are the centers of cubes around the shoulder, and the volume is that of the cubes whose
-centers count. The arm moves in a plane that abduction turns, so inverse kinematics has a closed
-form: two planes, 65 angles of the wrist, two ways to bend the elbow. The cubes make eight lattices
-of twice the spacing; the standard deviation of their volumes over the root of eight is the standard
-error.
-
-What was found:
-
-- The suit costs most of the envelope, weightless too.
-- The motors give back a part of it, less in the stiffer suit. Where assisted and unlimited are
-  alike, what is missing is missing at abduction and wrist.
-- With weight, not every position that can be kept suited can be kept assisted (the column lost),
-  because the exoskeleton also hangs on abduction, which has no motor. More is won.
-
-Most of these postures are beyond the angles at which the suits were measured; there the models
-extrapolate, as they do in simulation. `--measured` keeps every joint of the suit inside the range
-of its file; little is then reached.
-
-Schmidt counts positions that are visible from the helmet, with the joints of the EMU's arm. Here
-neither view nor the body in the way counts, and there are four joints: no rotation of the upper arm
-or the forearm, no scye. So litres of both do not mean the same.
-
-Sources: P. Schmidt 2001, thesis, MIT, hdl.handle.net/1721.1/8105, and SAE 2001-01-2162, both as the
-page of MIT's Man Vehicle Laboratory on the EMU's work envelope tells them.
+The suit costs most of the envelope. The motors give back a part; where assisted and unlimited are
+alike, abduction and wrist limit the hand. Most of these postures are beyond the angles at which the
+suits were measured; `--measured` keeps every joint inside them. Schmidt also asks that the hand is
+visible, and has other joints, so that the litres of both cannot be compared.
 """
 
 from collections.abc import Iterator
@@ -62,9 +38,7 @@ from activesuit.assets import JOINTS, load_suit
 from activesuit.envs.model import ASSISTED, ArmConfig, Exo, compose, resisting_joints
 from activesuit.envs.person import isometric_strength, strength_limits
 from activesuit.hysteresis import steady_cycle
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -74,18 +48,7 @@ SUSTAINED = 0.15  # share of isometric strength, Schmidt 2001
 WRIST_ANGLES = 65
 SAMPLES = 201  # angles of a joint at which its torques are tabulated, as many as a cycle has
 ROUNDING = 1e-9  # rad, distance by which an angle may miss its range
-PLANES = (  # axis across the section, its position from the shoulder [m], axes to the right and up
-    ("sagittal, 0.15 m outward", 1, -0.15, 0, 2),
-    ("horizontal, 0.2 m below", 2, -0.2, 1, 0),
-    ("frontal, 0.3 m in front", 0, 0.3, 1, 2),
-)
-AXES = ("forward", "left", "up")
-STYLES = {  # color, line and opacity of the area
-    "unsuited": ("#8a94a6", ":", 0.0),
-    "suited": ("#0072b2", "-", 0.45),
-    "assisted": ("#d55e00", "-", 0.2),
-    "unlimited": ("#009e73", "--", 0.0),
-}
+COLORS = ("#0072b2", "#d55e00", "#009e73")  # of the conditions in the suit
 
 
 class Arm(NamedTuple):
@@ -294,46 +257,27 @@ def litres(kept: NDArray[np.bool_], spacing: float) -> str:
     return f"{parts.mean():.1f} ± {parts.std(ddof=1) / np.sqrt(8):.1f}"
 
 
-def draw(found: dict[tuple[str, str], Array], line: Array) -> Figure:
-    """Draws sections through the hand positions that can be kept, a row for each branch.
+def draw(volumes: dict[tuple[str, str, str], list[float]]) -> Figure:
+    """Draws the volumes that can be kept in the suit [l], a panel for each suit and branch.
 
     Args:
-        found: Least efforts by condition and branch, shape (n, n, n).
-        line: Coordinates of the positions along each axis [m], shape (n,).
+        volumes: Volumes by suit, place and branch, in the order of `CONDITIONS`.
     """
-    figure = Figure(figsize=(9, 6.6), layout="constrained")
-    for axes, branch in zip(figure.subplots(len(BRANCHES), len(PLANES)), BRANCHES, strict=True):
-        for ax, (title, across, place, right, up) in zip(axes, PLANES, strict=True):
-            cut = int(np.abs(line - place).argmin())
-            for condition in CONDITIONS:
-                section = found[condition, branch].take(cut, axis=across)
-                draw_section(ax, section if right < up else section.T, line, condition)
-            ax.plot(0, 0, "+", color="k", ms=9)
-            ax.set(xlabel=f"{AXES[right]} [m]", ylabel=f"{AXES[up]} [m]", aspect="equal")
-            ax.set_title(f"{branch}: {title}", fontsize=10)
-            if right == 1:
-                ax.invert_xaxis()  # the wearer sees it so
-    lines = [Line2D([], [], color=color, ls=style) for color, style, _ in STYLES.values()]
-    figure.legend(lines, list(STYLES), loc="outside lower center", ncols=4, frameon=False)
+    suits, places, _ = (list(dict.fromkeys(names)) for names in zip(*volumes, strict=True))
+    figure = Figure(figsize=(7, 2.6 * len(suits) + 0.4), layout="constrained")
+    panels = figure.subplots(len(suits), len(BRANCHES), squeeze=False, sharex=True, sharey=True)
+    for ax, (suit, branch) in zip(panels.flat, product(suits, BRANCHES), strict=True):
+        for i, condition in enumerate(CONDITIONS[1:]):
+            heights = [volumes[suit, place, branch][i + 1] for place in places]
+            at = np.arange(len(places)) + 0.27 * (i - 1)
+            ax.bar(at, heights, 0.25, color=COLORS[i], label=condition)
+        ax.set_title(f"{suit}, {branch}")
+        ax.set_xticks(range(len(places)), places)
+        ax.grid(axis="y", alpha=0.3)
+    figure.supylabel("volume where a hand can stay [l]")
+    lines = panels[0, 0].get_legend_handles_labels()
+    figure.legend(*lines, loc="outside upper center", ncols=len(CONDITIONS), frameon=False)
     return figure
-
-
-def draw_section(ax: Axes, effort: Array, line: Array, condition: str) -> None:
-    """Draws where the hand can be (gray), and where it can stay.
-
-    Args:
-        ax: Axes to draw into.
-        effort: Least efforts, by the axis to the right and by that up.
-        line: Coordinates of the positions [m].
-        condition: One of `CONDITIONS`.
-    """
-    color, style, opacity = STYLES[condition]
-    reached = np.isfinite(effort).T.astype(float)
-    ax.contourf(line, line, reached, levels=[0.5, 2], colors=["0.5"], alpha=0.12)
-    kept = np.clip(1 - effort.T / (2 * SUSTAINED), 0, 1)  # 1/2 at the share that counts
-    if kept.max() > 0.5:
-        ax.contourf(line, line, kept, levels=[0.5, 2], colors=[color], alpha=opacity)
-        ax.contour(line, line, kept, levels=[0.5], colors=[color], linestyles=[style])
 
 
 def main(
@@ -347,7 +291,7 @@ def main(
 
     Args:
         suits: Names or files of suits.
-        places: Names of places, for their gravity; the figure has the first suit in the first one.
+        places: Names of places, for their gravity.
         spacing: Distance of neighboring hand positions [m].
         measured: Bend the joints of the suits only within the ranges of their files.
         quick: Measure one suit in one place, coarsely.
@@ -356,7 +300,8 @@ def main(
         suits, places, spacing = suits[:1], places[:1], 0.08
     header = f"{'litres, ' + f'{spacing} m apart':24}{'branch':10}{'reached':>9}"
     print(header + "".join(f"{one:>14}" for one in (*CONDITIONS, "lost")))
-    figure, difference = None, 0.0
+    volumes: dict[tuple[str, str, str], list[float]] = {}
+    difference = 0.0
     for suit, place in product(suits, places):
         arms = {condition: arm_of(suit, place, condition, measured) for condition in CONDITIONS}
         difference = max(difference, *map(error_of_weights, arms.values()))
@@ -371,13 +316,13 @@ def main(
         for branch in BRANCHES:
             kept = {one: found[one, branch] <= SUSTAINED for one in CONDITIONS}
             kept["lost"] = kept["suited"] & ~kept["assisted"]
-            reached = np.isfinite(found["suited", branch]).sum() * 1e3 * spacing**3
+            litre = 1e3 * spacing**3
+            volumes[suit, place, branch] = [kept[one].sum() * litre for one in CONDITIONS]
+            reached = np.isfinite(found["suited", branch]).sum() * litre
             row = "".join(f"{litres(one, spacing):>14}" for one in kept.values())
             print(f"{suit:10} {place:13}{branch:10}{reached:9.0f}{row}", flush=True)
-        figure = figure or draw(found, line)
     print(f"weights differ from those of MuJoCo by at most {difference:.0e} N·m")
-    if figure:
-        figure.savefig("envelope.png", dpi=150)
+    draw(volumes).savefig("envelope.png", dpi=150)
 
 
 if __name__ == "__main__":

@@ -1,24 +1,18 @@
 """What policies do when a sensor or a motor fails.
 
-Assistance is safe only if its wearer can live with what happens when something breaks. How much
-does each fault move the arm, and how much does it load the wearer?
+The wearers learn the motions of `ElbowFlexion` while everything works, and then a part fails that
+they do not expect. No policy detects the fault ([all faults](../../environments.md)).
 
-The wearers learn the motions of `ElbowFlexion` while everything works. Then something fails that
-they do not expect: pads and readings from the beginning of the motion, encoders and motors after
-3 s ([all faults](../environments.md)). No policy detects a fault.
+Encoders and motors fail after 3 s, other parts at the beginning. Moved and loaded are the largest
+difference of an angle and of the wearer's torque from the same motion without the fault, means with
+95 % intervals. Relief is the share of the suit's cost that the policy gives back.
 
-Moved and loaded are the largest difference of an angle and of the wearer's torque from the same
-motion without the fault, means over the motions with 95 % intervals. Relief is the share of the
-suit's cost that the policy gives back.
-
-- **A motor that stops** throws its load on the wearer at once, whatever the policy: no policy can
-  make up for it. The stiffness of the arm and the reflex catch it.
-- **A stuck encoder** stops the memory of `compensation` and the weight of that joint at the last
-  angle. `observer` compares with the torque that the pads measure, and goes on; `impedance` pulls
-  toward the intention from the angle at which the encoder stays.
-- **Errors of the pads** go straight into `observer` and into what `adaptive` learns. `compensation`
-  and `impedance` have no pads.
-- **Late and lost readings** of single control periods change the relief of none of them.
+- A motor that stops throws its load on the wearer, whatever the policy.
+- A stuck encoder stops the memory of `compensation` at the last angle. `observer` also compares
+  with the torque that the pads measure.
+- Errors of the pads go into `observer` and into what `adaptive` learns. `compensation` and
+  `impedance` have no pads.
+- Late and lost readings of single control periods change the relief of no policy.
 """
 
 from collections.abc import Mapping, Sequence

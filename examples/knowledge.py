@@ -1,31 +1,18 @@
 """What memory of the hysteresis is worth.
 
-A spacesuit's joint resists by hysteresis: its torque depends on the past of the angle. A controller
-can follow that past by a model, or make do with the angle and the direction of motion. How much
-relief does the memory buy, and which model must it be?
+The same compensation of a weightless arm is driven by beliefs of the suit without memory (no suit,
+a spring, a cubic for each direction) and with memory (Dahl, Jiles-Atherton, Preisach). All beliefs
+are fitted to one record of each joint on the simulated rig.
 
-The shoulder and the elbow of the simulated suit are measured on the simulated rig, in one record
-each: the largest loop, then 40 random reversals. All beliefs are fitted to these records. The first
-three have no memory: no suit at all, a spring, and a cubic for each direction. Dahl and
-Jiles-Atherton have one state, Preisach has many. Last comes the true model. All of them drive the
-same compensation of suit, weight and friction. There is no gravity, so that nothing but the suit
-is to be cancelled. The simulated suit has its own model, of Jiles and Atherton, or a model of
-Preisach that is fitted to its records, so that no class of belief is favored.
+The simulated suit has its own model, of Jiles and Atherton, or a model of Preisach that is fitted
+to its records, so that no class of belief is favored. Relief is the share of the suit's cost that
+the compensation gives back to adapted wearers, with its 95 % interval; the next column has the
+difference from the best belief without memory. The error is the root mean square of the believed
+less the true torque. In the figure, beliefs without memory are blue.
 
-Relief is the share of the suit's cost that the compensation gives back to adapted wearers, with its
-95 % interval over the motions. The next column has the difference from the best belief without
-memory, motion by motion: where its interval is above 0, memory helps. The error is the root mean
-square of the believed less the true torque along the motions that happened. In the figure, beliefs
-without memory are blue.
-
-In this suit memory pays, whatever the class of the true model. One state is enough where the true
-model has one; a suit of Preisach wants the belief of Preisach. Two branches do harm, although they
-know more than the spring, since their torque jumps at each reversal. `--suit` and `--task` ask the
-same of another suit or task, and the answer can differ: the smaller the cost of the suit, the less
-there is to win.
-
-[Controllers and scores](../controllers.md) explains relief and adapted wearers, [Hysteresis
-models](../theory.md) the models.
+Memory pays in this suit, whatever the class of the true model. Two branches do harm although they
+know more than the spring, since their torque jumps at each reversal. Another suit or task
+(`--suit`, `--task`) can give another answer.
 """
 
 from collections.abc import Callable, Mapping

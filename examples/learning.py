@@ -1,32 +1,20 @@
 """What do ways of training reach, over tasks, levels and seeds?
 
-A network can give the motors' torques alone (`ppo`), or correct compensation that believes the suit
-mock-suit (`residual`). That belief is right at level nominal and wrong at level shift, where the
-suit is emu-like at 40 kPa on Mars. Each training is a run of `activesuit train` at the level at
-which its policy is tested, with motions and wearers of its own by its seed.
+A network gives the motors' torques alone (`ppo`), or corrects compensation that believes the suit
+mock-suit (`residual`), a belief that is wrong at level shift. Beside them are policies that do not
+learn, on the same motions.
 
-Ten times in a training its policy is scored by the relief of adapted wearers in eight motions,
-which gives the curves of the figure, and the best policy is kept. The table has the relief of the
-kept policies in 20 motions that no training and no choice has used: the interquartile mean over
-trainings, with its 95 % interval from five trainings on. Relief is the share of the suit's cost
-that a policy gives back. Beside them are policies that do not learn, on the same motions.
+Each training is a run of `activesuit train`. Ten times its policy is scored by the relief of
+adapted wearers in eight motions (the curves of the figure), and the best policy is kept. The table
+has the relief of the kept policies in 20 other motions: the interquartile mean over trainings, with
+its 95 % interval from five trainings on.
 
-What was found: a correction begins with what compensation knows, and so needs few steps to be as
-good or a little better; with the steps of the whole study it gets well beyond compensation where
-the belief is wrong. A network alone begins with nothing, and needs more steps than this small part
-of the study has.
-
-The whole study takes many hours. It is run in parts, and a part that is stopped goes on where it
-was: trainings and `results.csv` stay in the folder `--out`.
+A correction begins with what compensation knows, and so needs few steps. A network alone needs more
+steps than this small part of the study has. The whole study takes many hours; trainings and
+`results.csv` stay in the folder `--out`, and the same command goes on there.
 
     T="--tasks ArmTracking RangeOfMotion ObjectRelocation --levels nominal randomized shift"
     python examples/learning.py $T --seeds 0-9 --steps 200000 --ways ppo ppo-history residual
-    python examples/learning.py $T --seeds 0-9 --steps 300000 --ways recurrent-ppo
-    python examples/learning.py $T --seeds 0-9 --steps 40000 --ways sac tqc
-    T="--tasks ArmTracking --levels shift"
-    python examples/learning.py $T --seeds 0-4 --steps 200000 --ways residual-history residual-drawn
-
-Its result is in [Train a controller](../training.md#what-learning-reaches).
 """
 
 import csv

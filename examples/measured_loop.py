@@ -1,31 +1,22 @@
 """How large is a measured loop?
 
-A measured loop is noisy, and a careless filter blunts its tips. How well do its area, its tips and
-its width survive, with smoothing and without?
+A measured loop is noisy, and a careless filter blunts its tips. Three first-order curves of a
+synthetic elbow (Li et al. 2022) with noise of 2 mrad and 0.09 N·m show how well area, tips and
+width survive, with smoothing and without.
 
-A synthetic elbow with the parameters of Li et al. 2022 goes through three first-order curves: up
-from one angle, and back down to it. It rests at each turn. White noise is added, of 2 mrad to the
-angle and 0.09 N·m to the torque. `branches` of the package finds the turns, and cuts the record
-there: a turn counts once the motion has come back by more than ten times the noise of the angle,
-which is estimated from third differences. Two branches are a loop.
+`branches` cuts a record at its turns. Smoothing goes branch by branch, never across a turn: the
+angle becomes monotone by isotonic regression, and the torque is a local quadratic regression over
+that angle with tricube weights over 15 % of the branch at each side (Cleveland, JASA 74 (1979)
+829). The branches of a turn are bent to meet there.
 
-Smoothing goes branch by branch, never across a turn, which would blunt the tips. The angle becomes
-monotone by isotonic regression, which makes a dwell of the jitter, and its extreme at a turn is cut
-back as far as the noise explains it. The torque is a local quadratic regression over that angle
-with tricube weights over 15 % of the branch at each side (Cleveland, JASA 74 (1979) 829). The two
-branches of a turn are bent to meet there.
-
-- **Area**: the work of one cycle, the closed integral of torque over angle.
-- **Peak**: the largest magnitude of torque, which is that of the upper tip.
-- **Remanence**: half the torque between the branches at the middle of the angle's range, $M_r$ of
-  magnetics. Where jitter makes a branch pass the middle several times, the median counts.
+- **Area**: the work of one cycle.
+- **Peak**: the largest magnitude of torque.
+- **Remanence**: half the torque between the branches at the middle of the angle's range.
 - **Coercive angle**: half the angle between the points where the branches pass the mean of their
-  torques at the middle, $H_c$ of magnetics.
+  torques at the middle.
 
-Each row has the true number and those of 20 records with other noise: their mean, and the interval
-that has 95 % of them. The area is a mean over many samples, and right without smoothing. The peak
-of a raw record is too large in all of them, as it takes up the noise, and the remanence scatters;
-smoothing mends both.
+Each row has the true number, and the mean and the range of 95 % of 20 records with other noise. The
+area is right without smoothing; peak and remanence need smoothing.
 """
 
 from itertools import pairwise

@@ -1,29 +1,20 @@
 """Which optimizer identifies a joint with the fewest model runs?
 
-Li et al. (2022) identified the five Jiles-Atherton parameters of the shoulder and the elbow of a
-suit with particle swarms, SA-PSO and MPSO, of 50 particles and 100 iterations. Here the same 5050
-model runs go to optimizers of other libraries too: differential evolution, dual annealing and
-Nelder-Mead of SciPy, the genetic algorithm of pymoo, and CMA-ES of pycma. The last two are left out
-where their packages are not installed. The certified fit is least squares from a few
-starts, and ends by itself.
+The swarms of Li et al. (2022), optimizers of SciPy, pymoo and pycma, and the certified fit identify
+the shipped elbow curves from twenty seeds, with the 5050 model runs of the paper. A method whose
+package is not installed is left out.
 
-**How it is measured.** Each method fits the shipped elbow curves from twenty seeds, in the search
-box of the paper. The error is the NRMSE over that of the parameters that made the curves, which is
-the noise: 1.00 is as good as the truth, and a fit may be a little below. A trial has *arrived* if
-it is within 5 % of that.
+The error is the NRMSE over that of the parameters that made the curves: 1.00 is as good as the
+truth. A trial has *arrived* if it is within 5 % of that. The certified fit, least squares from a
+few starts, arrives from every seed with fifty times fewer model runs. No swarm and no genetic
+algorithm arrives within the budget.
 
-**What was found.** The certified fit arrives from every seed with 96 model runs, fifty times fewer
-than the others get. Of those, CMA-ES arrives in all 20 trials and Nelder-Mead from many starts in
-18. Dual annealing stays at 1.08, a local minimum. No swarm and no genetic algorithm arrives within
-the budget of the paper.
+`register_optimizer` makes a function of the objective, the bounds and a generator a method of
+`identify`, as `Search("de", trials=10)`; from the module of a package that is named in the entry
+point group `activesuit` also a choice of `activesuit identify --method`.
 
-**How it is done.** An optimizer is a function of the objective, the bounds and a generator.
-`register_optimizer` makes it a method of `identify`, as `Search("de", trials=10)`. The module of
-a package that does so, named in the entry point group `activesuit`, also makes it a choice of
-`activesuit identify --method`.
-
-Sources: Li et al. 2022; Storn and Price 1997 (differential evolution); Xiang et al. 2013 (dual
-annealing); Nelder and Mead 1965; Blank and Deb 2020 (pymoo); Hansen 2016 (CMA-ES).
+Sources: Storn and Price 1997 (differential evolution); Xiang et al. 2013 (dual annealing); Nelder
+and Mead 1965; Blank and Deb 2020 (pymoo); Hansen 2016 (CMA-ES).
 """
 
 from collections.abc import Callable

@@ -1,41 +1,23 @@
 """What are five textbook controllers worth in a spacesuit?
 
-Exoskeletons for rehabilitation and for factories are driven by laws that know no suit. Five of them
-are classes of their own in `examples/controllers`, on the public API of ActiveSuit. Each file has
-law, tuning rule and source:
+Five laws of exoskeletons for rehabilitation and factories, which know no suit, are classes of their
+own in `examples/controllers`; each file has law, tuning rule and source. Beside them are the
+shipped `none`, motors off, and `compensation`, which knows the suit and all weights.
 
-- `amplification.py`: transparent, and as much torque as the person gives to the suit, which pads
-  measure, through a low-pass of 1 Hz (Kazerooni 1990).
-- `proportional.py`: transparent, and half of the wearer's voluntary torque, which electrodes on the
-  skin tell (Lenzi et al. 2012).
-- `oscillators.py`: compensation of the angle that adaptive oscillators predict, as far as there is
-  a rhythm; else transparent (Ronsse et al. 2011).
-- `radial_basis.py`: a pull to the intention, which a preview shows, and a network that learns
-  meanwhile what torque that takes (Li, Dai and Tang 2021).
-- `admittance.py`: the exoskeleton moves as a virtual mass that the forces at the cuffs push; in the
-  end the cuffs press with 0.7 of the suit's torque (Keemink et al. 2018).
+- `amplification.py`: amplifies the torque that the person gives to the suit (Kazerooni 1990).
+- `proportional.py`: gives half of the wearer's voluntary torque (Lenzi et al. 2012).
+- `oscillators.py`: compensates the angle that adaptive oscillators predict (Ronsse et al. 2011).
+- `radial_basis.py`: pulls to the intention, with a network that learns (Li, Dai and Tang 2021).
+- `admittance.py`: a virtual mass that the cuffs' forces push (Keemink et al. 2018).
 
-*Transparent* is an exoskeleton that carries itself and overcomes its own friction. Beside them are
-the shipped `none`, motors off, and `compensation`, which knows the suit and all weights.
+Relief is the share of the suit's cost in effort that a controller gives back to an adapted wearer,
+over eight motions of arm tracking; *a rhythm* is `Scoop`. At *wrong belief* the wearer has the
+EMU-like suit at 40 kPa on Mars, and controllers believe in the mock suit. *A rhythm* and *on cuffs*
+are weightless in the EMU-like suit. The error is that of tracking.
 
-**How it is measured.** Relief is the share of the suit's cost in effort that a controller gives
-back to an adapted wearer, over eight motions: 0 is the suit without an exoskeleton, 1 is no suit.
-The task is arm tracking, but for *a rhythm*, which is `Scoop`, a lift every three seconds. At
-*wrong belief* the wearer has the EMU-like suit at 40 kPa on Mars, and controllers believe in the
-mock suit. *A rhythm* and *on cuffs* are weightless in the EMU-like suit, the latter with an
-exoskeleton whose cuffs yield. The error is that of tracking.
-
-**What was found.** None of the first four comes near compensation with the right belief. With a
-wrong one `amplification`, which believes in no suit, is as good. `oscillators` find no rhythm in
-random motions; in a rhythm they come to two thirds of compensation. `radial-basis` is no better
-than motors off: the wearer tracks the same intention and leaves no error to learn from. On cuffs
-`admittance` has the most relief, where compensation takes the exoskeleton's angles for the arm's
-and lets the arm drift. It carries no weight but the exoskeleton's, so it is a law for
-weightlessness.
-
-**How to use them.** In a clone of the source repository each is a policy by the name of its class,
-with options behind another colon. [Controllers](../controllers.md#a-controller-of-your-own) says
-how to write one.
+None of the first four comes near compensation with the right belief. On cuffs `admittance` has the
+most relief, but carries no weight except the exoskeleton's. In a clone of the repository each is a
+policy by the name of its class:
 
 ```bash
 activesuit evaluate --policies compensation examples.controllers.proportional:ProportionalAssist

@@ -1,21 +1,16 @@
 """What does it buy to tune the options of a policy?
 
-Each policy gets the same budget: evaluations of CMA-ES (package `cma`) over its options, each on a
-logarithmic scale between two ends. An evaluation is the mean effort of adapted wearers in arm
-tracking and at the ratchet, at level randomized in the suit emu-like, in six motions each whose
-seeds begin at 0. Options that are given with a policy, as in `compensation:lead=0.02`, stay.
+CMA-ES (package `cma`) tunes the options of each policy with the same number of evaluations: the
+mean effort of adapted wearers in arm tracking and at the ratchet, at level randomized in the suit
+emu-like. Usual and tuned options are then compared in other motions, of these two tasks and of two
+others.
 
-Then both the usual and the tuned options are compared in motions that no evaluation shows, whose
-seeds begin at 10,000: in the two tasks of the tuning, and in two others. Relief is the share of the
-suit's cost that a policy gives back, here its mean over the tasks.
+Options that are given with a policy, as in `compensation:lead=0.02`, stay. Relief is the share of
+the suit's cost that a policy gives back, here its mean over the tasks. No options of compensation
+were better than the usual ones, which follow from the motors. The disturbance observer gains much
+in the tasks of its tuning, and hardly anything in the others.
 
-What was found: no options of compensation were better than the usual ones, which follow from the
-motors. The disturbance observer gains much in the tasks of its tuning and hardly anything in the
-others: two tasks do not stand for all.
-
-The tuned policy is written to `NAME-tuned.json`, and that file is a policy wherever one is named,
-as in `activesuit evaluate --policies none compensation-tuned.json`. More evaluations, and other
-policies: `python examples/tune.py --policies adaptive impedance --evaluations 200`.
+The tuned policy is written to `NAME-tuned.json`, which is a policy wherever one is named.
 """
 
 import json

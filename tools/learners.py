@@ -15,11 +15,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from .. import __version__
-from ..envs.making import make_arms
-from ..errors import InputError
 from ..files import write_text
 from ..json_files import read_json
 from .measure import FOLDER, condensed
@@ -27,8 +23,6 @@ from .measure import FOLDER, condensed
 PROGRAMS = FOLDER.parent / "learners"
 BESIDE = ("none", "gravity", "compensation")
 LINE = re.compile(r"(\d+) steps: mean reward (\d\.\d+)")
-SHORT, SEEDS = 73, (0, 1, 2)  # updates of 4096 steps, of a comparison of seeds
-NOISES = (1.0, 0.08)  # standard deviations of actions
 
 
 class Learner(NamedTuple):
@@ -67,61 +61,24 @@ def measured(name: str, python: str) -> dict[str, Any]:
         python: Interpreter that runs its program.
     """
     learner = LEARNERS[name]
-    text = (PROGRAMS / learner.program).read_text(encoding="utf-8")
     ask = "import importlib.metadata, sys; print(*map(importlib.metadata.version, sys.argv[1:]))"
     versions = [
         version.partition("+")[0]  # without the kind of build, as +cpu
         for version in _run([python, "-c", ask, *learner.packages], Path.cwd()).split()
     ]
-    found: dict[str, Any] = {"versions": dict(zip(learner.packages, versions, strict=True))}
-    found |= _trained(text, learner.policy, python, BESIDE)
-    if name == "torch":
-        found["seeds"] = {
-            str(seed): _trained(_short(text, seed), learner.policy, python)["relief"]
-            for seed in SEEDS
-        }
-        found["noise"] = {str(size): _reward_of_noise(size) for size in NOISES}
-    return condensed(found)
-
-
-def _trained(
-    text: str, policy: str, python: str, beside: tuple[str, ...] = BESIDE[:1]
-) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "program.py").write_text(text, encoding="utf-8")
-        printed = _run([python, "program.py"], folder)
+    with tempfile.TemporaryDirectory() as work:
+        folder = Path(work)
+        printed = _run([python, str(PROGRAMS / learner.program)], folder)
         command = [sys.executable, "-m", "activesuit.scripts.main", "evaluate"]
-        _run([*command, "--policies", *beside, policy, "--out", "run"], folder)
+        _run([*command, "--policies", *BESIDE, learner.policy, "--out", "run"], folder)
         scores = read_json(folder / "run" / "result.json", "result")["scores"]
-    rewards = {steps: float(reward) for steps, reward in LINE.findall(printed)}
-    relief = {name: scores[name]["relief"] for name in (*beside, policy)}
-    return {"rewards": rewards, "relief": relief}
-
-
-def _short(text: str, seed: int) -> str:
-    """Returns a program with fewer updates and another seed."""
-    changes = {
-        "UPDATES, ROWS, PERIODS = 245,": f"UPDATES, ROWS, PERIODS = {SHORT},",
-        "torch.manual_seed(0)": f"torch.manual_seed({seed})",
-        "arms.reset(seed=0)": f"arms.reset(seed={64 * seed})",
-    }
-    for old, new in changes.items():
-        if old not in text:
-            raise InputError(f"the program has no {old!r}: change it there and here")
-        text = text.replace(old, new)
-    return text
-
-
-def _reward_of_noise(size: float) -> float:
-    """Returns the mean reward of normal noise around no torque, over an episode of 64 rows."""
-    arms, random = make_arms("ActiveSuit/ElbowFlexion-v0", 64), np.random.default_rng(0)
-    arms.reset(seed=0)
-    rewards = []
-    for _ in range(round(arms.duration / arms.control_dt)):
-        action = np.clip(random.normal(scale=size, size=arms.action_space.shape), -1, 1)
-        rewards.append(arms.step(action)[1])
-    return float(np.mean(rewards))
+    return condensed(
+        {
+            "versions": dict(zip(learner.packages, versions, strict=True)),
+            "rewards": {steps: float(reward) for steps, reward in LINE.findall(printed)},
+            "relief": {name: scores[name]["relief"] for name in (*BESIDE, learner.policy)},
+        }
+    )
 
 
 def _run(command: list[str], folder: Path) -> str:

@@ -1,4 +1,4 @@
-"""Remakes docs/provenance.md: `python -m activesuit.tools.provenance`."""
+"""Remakes docs/numbers/provenance.md: `python -m activesuit.tools.provenance`."""
 
 import pkgutil
 from collections.abc import Iterator, Sequence
@@ -14,28 +14,23 @@ from ..files import write_text
 from ..hysteresis.parameter_table import parameter_table
 from ..tables import markdown_table
 
-PAGE = Path(__file__).parent.parent / "docs" / "provenance.md"
+PAGE = Path(__file__).parent.parent / "docs" / "numbers" / "provenance.md"
 PACKAGES = (belief, person, model, rig, simulation, policies, muscles)
 HEADER = ["quantity", "value", "unit", "source", "grade"]
 
 BEGINNING = """\
-# Numbers and sources
+# Sources of the numbers
 
-![The person, the person in the suit, and both with the exoskeleton](figures/model.png)
+Each table is a module, and each row a number of the simulated person, suit, exoskeleton or rig,
+with its name in the code. [The model](../model.md) says what the numbers mean.
 
-Each number of the simulated person, suit, exoskeleton and rig, as the code uses it, with its source
-and a grade:
-
-- **published**: read in the source;
-- **transcribed**: printed in the source, but read in somebody's copy of it (a data file, another's
-  code or table): look it up before you rely on it;
-- **derived**: computed from published or transcribed values;
-- **identified**: fitted to curves (suits only);
-- **assumed**: ours, or known at second hand only. Replace it by what you know of your own hardware.
-
-**How to read this.** Each table is a module, each row a number with its name in the code, value,
-unit, source and grade. Most of them stand in `envs/numbers.csv`, the others in the module. [The
-model](model.md) and the module say what the numbers mean.
+| grade | means |
+|---|---|
+| published | read in the source |
+| transcribed | printed in the source, but read in a copy of others: look it up before use |
+| derived | computed from published or transcribed values |
+| identified | fitted to curves (suits only) |
+| assumed | our choice, or known at second hand: replace it by what you know of your hardware |
 """
 
 
@@ -51,7 +46,7 @@ def quantities() -> dict[str, tuple[Quantity, ...]]:
 
 
 def page() -> str:
-    """Returns the text of docs/provenance.md."""
+    """Returns the text of docs/numbers/provenance.md."""
     parts = [BEGINNING]
     for place, numbers in quantities().items():
         parts += [f"## `{place}`\n", markdown_table(HEADER, map(_cells, numbers)) + "\n"]

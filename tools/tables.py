@@ -5,6 +5,7 @@ text around it is written by hand.
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -16,14 +17,15 @@ from ..envs.provenance import Quantity
 from ..envs.simulation.measurements import COLUMNS
 from ..envs.tasks import TASKS, Task
 from ..envs.tasks.task import FARTHEST
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from ..files import write_text
 from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
 from ..tables import markdown_table
-from .changes import CHANGES
-from .results import RESULT_TABLES
+from .results import door, muscle_bare, reliefs
 
-DOCS = Path(__file__).parent.parent / "docs"
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
+MARK = re.compile("<!-- made by tables.py: (.+) -->")
 
 _GAINS = {
     "stiffness.base": "stiffness without torque, $K_0$",
@@ -138,36 +140,44 @@ def _number(value: float) -> str:
     return "π" if value == math.pi else f"{value:,g}"
 
 
-TABLES: dict[str, dict[str, Callable[[], str]]] = {
-    **RESULT_TABLES,
-    "model.md": {"gains": gains},
-    "changes_of_numbers.md": CHANGES,
-    "training.md": {"algorithms": algorithms},
-    "environments.md": {"tasks": tasks, "sensor suites": sensor_suites, "levels": levels},
+TABLES: dict[str, Callable[[], str]] = {
+    "results": door,
+    "settings": reliefs,
+    "bare": muscle_bare,
+    "gains": gains,
+    "algorithms": algorithms,
+    "tasks": tasks,
+    "sensor suites": sensor_suites,
+    "levels": levels,
 }
-"""The tables by page and mark."""
+"""The tables by the name in their marks."""
 
 
-def page(name: str) -> str:
+def marks(path: Path) -> list[str]:
+    """Returns the names of the tables in a page."""
+    return MARK.findall(path.read_text(encoding="utf-8"))
+
+
+def page(path: Path) -> str:
     """Returns the text of a page with its tables as the code has them.
 
-    Args:
-        name: Name of the page, one of `TABLES`.
-
     Raises:
-        InputError: A mark is missing.
+        InputError: No table has that name, or its second mark is missing.
     """
-    text = (DOCS / name).read_text(encoding="utf-8")
-    for title, table in TABLES[name].items():
-        begin, end = f"<!-- made by tables.py: {title} -->\n", f"<!-- end: {title} -->"
-        if text.count(begin) != 1 or text.count(end) != 1:
-            raise InputError(f"{name} has not both marks of {title!r}: put {begin!r} and {end!r}")
+    text = path.read_text(encoding="utf-8")
+    for name in marks(path):
+        if name not in TABLES:
+            raise unknown_name("table", name, [*TABLES])
+        begin, end = f"<!-- made by tables.py: {name} -->\n", f"<!-- end: {name} -->"
         before, rest = text.split(begin)
-        text = f"{before}{begin}\n{table()}\n\n{end}{rest.split(end)[1]}"
+        if rest.count(end) != 1:
+            raise InputError(f"{path.name} has the mark {begin!r}: put {end!r} below it, once")
+        text = f"{before}{begin}\n{TABLES[name]()}\n\n{end}{rest.split(end)[1]}"
     return text
 
 
 if __name__ == "__main__":
-    for name in TABLES:
-        write_text(DOCS / name, page(name))
-        print(f"wrote {DOCS / name}")
+    for path in PAGES:
+        if marks(path):
+            write_text(path, page(path))
+            print(f"wrote {path}")

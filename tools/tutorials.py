@@ -194,11 +194,8 @@ def _alike(old: str, new: str) -> bool:
     return near and plain[0] == plain[1]
 
 
-def main(folder: Path = FOLDER) -> None:
+def write(folder: Path = FOLDER, check: bool = False) -> None:
     """Executes all tutorials, and writes or checks their pages."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="write nothing, compare the pages")
-    check = parser.parse_args().check
     with tempfile.TemporaryDirectory() as work, contextlib.chdir(work):
         for path in sorted(folder.glob("*.py")):
             begin, script = time.monotonic(), path.read_text(encoding="utf-8")
@@ -217,4 +214,6 @@ def main(folder: Path = FOLDER) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing, compare the pages")
+    write(check=parser.parse_args().check)

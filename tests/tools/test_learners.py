@@ -3,9 +3,8 @@
 import sys
 
 import pytest
-from activesuit.errors import InputError
 from activesuit.tools import learners
-from activesuit.tools.learners import BESIDE, LEARNERS, PROGRAMS, SHORT, kept_learner, measured
+from activesuit.tools.learners import BESIDE, LEARNERS, PROGRAMS, kept_learner, measured
 
 PROGRAM = """
 import gymnasium, numpy as np
@@ -26,15 +25,6 @@ def test_every_learner_is_kept_with_its_commands(name):
     ]
     assert content["result"]["versions"].keys() == learner.packages.keys()
     assert (PROGRAMS / learner.program).is_file()
-
-
-def test_a_shorter_program_of_another_seed():
-    text = (PROGRAMS / "ppo.py").read_text(encoding="utf-8")
-    short = learners._short(text, 2)
-    assert f"PERIODS = {SHORT}, 64, 64" in short
-    assert "torch.manual_seed(2)" in short and "arms.reset(seed=128)" in short
-    with pytest.raises(InputError, match="the program has no 'UPDATES"):
-        learners._short(short, 1)
 
 
 @pytest.mark.slow

@@ -1,11 +1,10 @@
 """The pages of the tutorials: how they are made, and that they have the code of their programs."""
 
 import re
-import sys
 
 import pytest
 from activesuit.errors import InputError
-from activesuit.tools.tutorials import FOLDER, VARIES, cells, differences, execute, main, page
+from activesuit.tools.tutorials import FOLDER, VARIES, cells, differences, execute, page, write
 
 PROGRAM = """# %% [markdown]
 # # Title
@@ -63,46 +62,39 @@ print(max(numbers))
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path):
     """A folder with one small tutorial, of which the tool makes the page."""
     (tmp_path / "1_tiny.py").write_text(PROGRAM)
 
-    def run(*options):
-        monkeypatch.setattr(sys, "argv", ["tutorials", *options])
-        main(tmp_path)
-
-    run()
-    return tmp_path, run
+    write(tmp_path)
+    return tmp_path
 
 
 def test_a_page_has_cells_outputs_and_figures_for_light_and_dark(folder):
-    path, run = folder
-    assert (path / "1_tiny.md").read_text() == PAGE
-    light, dark = (path / f"figures/1_tiny-1-{mode}.svg" for mode in ("light", "dark"))
+    assert (folder / "1_tiny.md").read_text() == PAGE
+    light, dark = (folder / f"figures/1_tiny-1-{mode}.svg" for mode in ("light", "dark"))
     assert "#31353b" in light.read_text()
     assert "#31353b" not in dark.read_text()
-    before = {file: file.stat().st_mtime_ns for file in path.rglob("*.*")}
-    run("--check")  # writes nothing
-    assert {file: file.stat().st_mtime_ns for file in path.rglob("*.*")} == before
+    before = {file: file.stat().st_mtime_ns for file in folder.rglob("*.*")}
+    write(folder, check=True)  # writes nothing
+    assert {file: file.stat().st_mtime_ns for file in folder.rglob("*.*")} == before
 
 
 def test_a_check_fails_where_the_output_or_the_code_is_another(folder):
-    path, run = folder
-    kept = path / "1_tiny.md"
+    kept = folder / "1_tiny.md"
     kept.write_text(PAGE.replace("2.5\n```\n\n```python\nplt", "2.8\n```\n\n```python\nplt"))
     with pytest.raises(SystemExit, match=r"'2\.5', and '2\.8' is kept"):
-        run("--check")
+        write(folder, check=True)
     kept.write_text(PAGE)
-    (path / "1_tiny.py").write_text(PROGRAM.replace("print(max(", "print(min("))
+    (folder / "1_tiny.py").write_text(PROGRAM.replace("print(max(", "print(min("))
     with pytest.raises(SystemExit, match=r"'print\(min\(numbers\)\)', and 'print\(max"):
-        run("--check")
+        write(folder, check=True)
 
 
 def test_an_error_in_a_cell_ends_the_tool_and_names_the_line(folder):
-    path, run = folder
-    (path / "1_tiny.py").write_text(PROGRAM.replace("max(numbers)", "max(letters)"))
+    (folder / "1_tiny.py").write_text(PROGRAM.replace("max(numbers)", "max(letters)"))
     with pytest.raises(NameError, match="letters") as error:
-        run("--check")
+        write(folder, check=True)
     assert error.traceback[-1].lineno + 1 == len(PROGRAM.splitlines())
 
 

@@ -19,7 +19,7 @@ from activesuit.identification import (
 from activesuit.identification.methods import method_of
 from helpers import assert_refused, fails, run, sweep
 
-# Ms [A/m], a [A/m], alpha, c, k [A/m], and the largest field [A/m]; see docs/golden.md.
+# Ms [A/m], a [A/m], alpha, c, k [A/m], and the largest field [A/m]; see docs/numbers/golden.md.
 MATERIALS = {
     "iron": (1.6e6, 1100, 1.6e-3, 0.2, 400, 6e3),
     "soft": (1.48e6, 470, 9.38e-4, 0.0889, 483, 2.5e3),
