@@ -46,7 +46,7 @@ check: .venv/dev
 	$(BIN)/pyright
 
 docs: .venv/docs
-	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 bench: .venv/core
 	$(BIN)/python -m activesuit.benchmarks $(TOPIC)
