@@ -15,7 +15,7 @@ from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.polynomial import LARGEST_DEGREE
 from ..data.curves import Curve
 from .certified import missing_margin, shape_box, shortfall
-from .search import MARGIN, BesidePolynomial, Shapes, search_shapes
+from .search import MARGIN, BesidePolynomial, search_shapes
 
 SCREENED = 64
 BUDGET = 600  # evaluations of the model on all curves
@@ -63,8 +63,11 @@ def fit_asymmetric(
         return found[0]
 
     box = np.append(low, -1.0), np.append(high, 1.0)
-    shapes = Shapes(beside, box, torque, lambda point: missing_margin(*_unit(point), start, inside))
-    search = search_shapes(shapes, screened=SCREENED, budget=BUDGET, rng=rng)
+
+    def lacking(point: Array) -> float:
+        return missing_margin(*_unit(point), start, inside)
+
+    search = search_shapes(beside, box, torque, lacking, screened=SCREENED, budget=BUDGET, rng=rng)
     if search.best is None:
         raise InputError(
             f"none of {search.evaluations} models tried on these curves is certified: check the "
@@ -113,8 +116,11 @@ def fit_bouc_wen(
     span = beside.high - beside.low
     ends = zip(YIELD, BEND, SHARPNESS, (-1.0, 1.0), strict=True)
     box = [(np.log(one * span), bend, np.log(n), start) for one, bend, n, start in ends]
-    shapes = Shapes(beside, box, lambda point: _memory(point, beside.curves))
-    search = search_shapes(shapes, screened=SCREENED, budget=budget, rng=rng)
+
+    def shape(point: Array) -> Array:
+        return _memory(point, beside.curves)
+
+    search = search_shapes(beside, box, shape, screened=SCREENED, budget=budget, rng=rng)
     assert search.best is not None  # all points are allowed
     z = _memory(search.best, beside.curves)
     offset, elastic = beside.polynomial(z)
@@ -217,8 +223,7 @@ def _fit(
         return from_limits @ beside.weights(from_limits)
 
     box = np.log(np.outer(YIELD, np.full(ways, beside.high - beside.low)))
-    shapes = Shapes(beside, box, shape)
-    search = search_shapes(shapes, screened=FEW_SCREENED, budget=budget, rng=rng)
+    search = search_shapes(beside, box, shape, screened=FEW_SCREENED, budget=budget, rng=rng)
     assert search.best is not None  # all points are allowed
     stiffness = float(beside.weights(limits(search.best)).sum())
     frictions = stiffness * np.exp(search.best)

@@ -2,8 +2,8 @@
 
 A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
 the option `rng` if it depends on random numbers, and returns a model that is certified and
-dissipative, at least with constant torque outside the angles of the curves; or a result that has
-this `model`, and `initial_torque` [N·m], `nrmse` and `evaluations` as `Fitted` describes them.
+dissipative, at least with constant torque outside the angles of the curves; or a `Fitted` with this
+model.
 """
 
 import inspect
@@ -309,8 +309,7 @@ def fit_model(
         if constraints and not constraints.hold(found.model):
             return constrained_fit(found, curves, constraints, rng)
         return found
-    agreed, starts = (getattr(found, name, None) for name in ("agreed", "starts"))
-    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, agreed, starts)
+    return replace(found, history=())  # its unit is not that of an optimizer's
 
 
 def is_seeded(name: str) -> bool:
