@@ -1,13 +1,13 @@
 """The methods of `identify`: the certified fit, searches by optimizers, and that of magnetics."""
 
 import inspect
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, cast
 
 from ..checks import at_least
-from ..errors import InputError, refuse_old_names, unknown_name
+from ..errors import InputError, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
 from .corrections.corrections import Corrections
 from .fits import magnetic
@@ -16,15 +16,15 @@ from .fits.registry import FITS, is_seeded
 from .swarms.variants import OPTIMIZERS, options_of
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
-EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2
-CALLED = ("curves", "objective", "bounds", "callback")
-SET_BY_IDENTIFY = (*CALLED, "constraints", "rng", "initial_torque")
+SET_BY_IDENTIFY = (
+    *("curves", "objective", "bounds", "callback", "constraints", "rng", "initial_torque"),
+)
 TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
 
 @dataclass(frozen=True, init=False)
 class Certified:
-    """Least squares that can only return certified models (ours); every model has it.
+    """Least squares that return certified models only (ours), for every kind of model.
 
     Attributes:
         trials: Number of runs from different random numbers.
@@ -45,13 +45,12 @@ class Certified:
         return "certified"
 
     def check(self, model: str) -> None:
-        """Refuses what the fit of a model would ignore."""
+        """Refuses trials and options that the fit of a model would ignore."""
         if self.trials > 1 and not is_seeded(model):
             raise InputError(
                 f"trials is {self.trials}: the fit of {model!r} is made once; leave it out"
             )
-        names = list(inspect.signature(FITS[model]).parameters)
-        _check_options(self, names)
+        _check_options(self, list(inspect.signature(FITS[model]).parameters))
 
 
 @dataclass(frozen=True, init=False)
@@ -61,7 +60,7 @@ class Search:
     Attributes:
         name: Swarm as published, "pso", "sa-pso", "mpso" or "rank-distance-mpso"; or the name of
             an optimizer that `register_optimizer` made known.
-        objective: Loss of `CurveObjective` that it minimizes.
+        objective: Loss of `CurveObjective` to minimize.
         normalize: Whether the objective divides errors by the largest torque of the "family" or of
             each "curve".
         trials: Number of runs from different random numbers.
@@ -85,7 +84,7 @@ class Search:
     ) -> None:
         at_least("trials", trials, 1)
         if name not in OPTIMIZERS:
-            raise _unknown_method(name, OPTIMIZERS)
+            raise unknown_name("method", name, OPTIMIZERS)
         given = {"name": name, "objective": objective, "normalize": normalize}
         for key, value in (given | {"trials": trials, "options": options}).items():
             object.__setattr__(self, key, value)
@@ -122,16 +121,8 @@ Method = Certified | Search | Magnetic
 
 
 def method_names() -> list[str]:
-    """Returns the names of the methods that there are, registered optimizers included."""
+    """Returns the names of all methods, registered optimizers included."""
     return ["certified", "magnetic", *OPTIMIZERS]
-
-
-def _unknown_method(name: str, known: Iterable[str]) -> InputError:
-    if name in EXAMPLES:
-        return InputError(
-            f"method {name!r} is an example since version 0.3: examples/optimizers.py registers it"
-        )
-    return unknown_name("method", name, known)
 
 
 def method_of(
@@ -141,13 +132,11 @@ def method_of(
     objective: str | None = None,
     normalize: str | None = None,
 ) -> Method:
-    """Returns a method from its name and plain values; None stands for one that is left out."""
+    """Returns a method from its name and plain values; None stands for a default value."""
     if isinstance(given, Method):
         return given
-    if given == "auto":
-        refuse_old_names([given], {"auto": "select(curves)"})
     if given not in method_names():
-        raise _unknown_method(given, method_names())
+        raise unknown_name("method", given, method_names())
     runs: dict[str, Any] = {} if trials is None else {"trials": trials}
     goal = {"objective": objective, "normalize": normalize}
     goal = {name: value for name, value in goal.items() if value is not None}
@@ -183,7 +172,7 @@ def check_together(
 
 
 def _fitted(method: Method, corrections: Corrections) -> dict[str, Any]:
-    """Returns the corrections that only the certified fit finds; a search takes some from it."""
+    """Returns the corrections of the certified fit that the method does not have."""
     if isinstance(method, Search):
         return corrections.beside
     asked = {"tare": corrections.tare, "softening": corrections.softening}

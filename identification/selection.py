@@ -17,15 +17,7 @@ from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import Question, questions
 from .fit import Fit, judged_fit
-from .fit_curves import (
-    NONE,
-    Trial,
-    fits_start,
-    prepared,
-    refuse_unknown,
-    refuse_weights,
-    run_threads,
-)
+from .fit_curves import NONE, Trial, fits_start, prepared, refuse_weights, run_threads
 from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
 from .fits.parameters import FREE, Constraints, parameter_limits, parameters_of
 from .fits.registry import FITS, Fitted, fit_model
@@ -47,7 +39,7 @@ from .methods import DEFAULT_MODEL, check_beginning
 
 WORTH_IT = 0.95  # ratio to the error without memory: a smaller improvement may be chance
 AS_GOOD = 1.1  # ratio to the best score up to which the model with fewest parameters is chosen
-# Jiles-Atherton, and the same beside a polynomial, whose constant says nothing of the offset.
+# No rivals: Jiles-Atherton, and the same beside a polynomial, whose constant takes any offset.
 ITS_OWN = (DEFAULT_MODEL, "asymmetric")
 
 
@@ -94,11 +86,11 @@ class Selection:
     Attributes:
         fit: Certified fit of the chosen model to all curves.
         candidates: All models that were tried, the best prediction first.
-        ensemble: Candidates that predict left-out curves nearly as well as the best, of which
-            `band` is made; None where all meet a pole.
+        ensemble: Candidates that predict left-out curves nearly as well as the best, from which
+            `band` follows; None if all meet a pole.
         agreement: How far these differ on the intended motions; None without such motions.
-        is_beyond: Whether predictions reach beyond the angles of the fits, as they do of a record
-            whose every cycle is larger than those before.
+        is_beyond: Whether predictions reach beyond the angles of the fits, as for a record whose
+            every cycle is larger than the cycles before.
     """
 
     fit: Fit
@@ -128,7 +120,7 @@ class Selection:
     def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
         """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
 
-        The band of `Fit.uncertainty` is valid if the kind of model is right; this one also covers
+        The band of `Fit.uncertainty` is valid if the kind of model is right; this band also covers
         the differences between kinds of model that the curves allow, see `Ensemble.band`.
 
         Args:
@@ -178,31 +170,28 @@ def select(
     needed: Coverage | None = None,
     intended: Sequence[Motion] = (),
     on_candidate: Callable[[Candidate], None] | None = None,
-    **old: Any,
 ) -> Selection:
-    """Selects the simplest model that predicts well the curves left out of its certified fit.
+    """Selects the simplest model that predicts curves well which were left out of its fit.
 
-    Every model is fitted to all curves but one, or to a part of a long record, and predicts the
-    rest, for each in turn. Ctrl-C keeps the finished models.
+    Every kind of model is fitted to all curves but one, which the fit predicts, for each curve in
+    turn; of a single record, to a first part. Ctrl-C keeps the finished models.
 
     Args:
         curves: The measurements; those with role "predict" are kept out and tested.
-        corrections: What is taken off the curves, or fitted beside the models; tare and softening
-            are those of Jiles-Atherton. A fitted tare that a model as good leaves open is not taken
-            off: the models are fitted again without one, and the first remark of the fit says so.
-        fixed: Parameters that keep a value, see `fit_curves`; models without one are not chosen.
+        corrections: Corrections of the curves, and terms that are fitted beside the models; tare
+            and softening are those of Jiles-Atherton. If an equally good model fits with any tare,
+            the models are fitted again without a tare, and the first remark of the fit says so.
+        fixed: Parameters that keep a value, see `fit_curves`; models without them are not chosen.
         bounds: Lower and upper bound of parameters, likewise.
         initial_torque: The torque with which the curves begin, as in `fit_curves`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
         workers: The number of threads, which share the models; -1 uses all cores.
         needed: Coverage of the intended motions, see `fit_curves`; by default that of `intended`.
-        intended: Intended motions, on which the kinds of model are compared: the verdict extends to
-            loops that the curves do not have if a tested band is narrow there.
-        on_candidate: Function that gets each model as soon as it was tried.
-        **old: Names of version 0.2, which are refused with the new one.
+        intended: Intended motions, on which the kinds of model are compared: if a tested band is
+            narrow there, the verdict extends to loops that the curves do not have.
+        on_candidate: Function that gets every finished `Candidate`, in any order.
     """
-    refuse_unknown(old)
     check_beginning(initial_torque)
     check_seed(seed)
     check_workers(workers)
@@ -283,7 +272,7 @@ def select(
 
 
 def _memoryless(chosen: Candidate, baselines: Mapping[str, float]) -> Remark | None:
-    """Returns a remark where no hysteresis model is needed for such predictions."""
+    """Returns a remark if a model without memory predicts about as well."""
     name = min(baselines, key=lambda one: baselines[one], default="")
     own = chosen.prediction_nrmse
     if not name or own < WORTH_IT * baselines[name]:
@@ -293,7 +282,7 @@ def _memoryless(chosen: Candidate, baselines: Mapping[str, float]) -> Remark | N
 
 
 def _refuse_unknown_parameters(constraints: Constraints, corrections: Corrections) -> None:
-    """Refuses names that no model has; models without one of them are left out."""
+    """Refuses names of parameters that no kind of model has."""
     known = {
         name for kind in FITS for name in parameter_limits(kind, corrections.beside, "certified")
     }
@@ -305,9 +294,9 @@ def _refuse_unknown_parameters(constraints: Constraints, corrections: Correction
 def _open_offset(
     tried: Sequence[Candidate], curves: Curves, seed: int, options: Mapping[str, dict[str, Any]]
 ) -> str | None:
-    """Returns a model as good as Jiles-Atherton that fits with any offset; None without one.
+    """Returns the name of an equally good model that fits with any offset; None without one.
 
-    The candidates are fitted to these curves, less the offset that Jiles-Atherton finds.
+    The curves are those without the offset that Jiles-Atherton finds.
     """
     for rival in as_good(tried):
         if rival.name in ITS_OWN:

@@ -255,15 +255,18 @@ def _parameters(path: Path, content: Any, constraints: Constraints) -> Iterator[
             yield from _parameters((*path, key), value, constraints)
             continue
         least, unit = model.least.get(key, -math.inf), model.units.get(key, "")
-        for place, name, one in _numbers((*path, key), key, value):
+        for place, name, one in numbers_in((*path, key), key, value):
             yield Parameter(name, unit, one, least, *constraints.ends(name), place)
 
 
-def _numbers(path: Path, name: str, value: Any) -> Iterator[tuple[Path, str, float]]:
-    """Yields path, name and value of a number, or of each in a list."""
-    if isinstance(value, list | tuple):
+def numbers_in(path: Path, name: str, value: Any) -> Iterator[tuple[Path, str, float]]:
+    """Yields path, name and value of all numbers in a value; in a list the name has the index."""
+    if isinstance(value, Mapping):
+        for key, one in value.items():
+            yield from numbers_in((*path, key), key, one)
+    elif isinstance(value, list | tuple):
         for i, one in enumerate(value):
-            yield from _numbers((*path, i), f"{name}[{i}]", one)
+            yield from numbers_in((*path, i), f"{name}[{i}]", one)
     elif isinstance(value, int | float) and not isinstance(value, bool):
         yield path, name, float(value)
 

@@ -23,7 +23,7 @@ from activesuit.identification import (
     select,
 )
 from activesuit.identification.fits.registry import FITS
-from activesuit.identification.methods import method_names, method_of
+from activesuit.identification.methods import method_names
 from activesuit.identification.swarms.variants import OPTIMIZERS
 from activesuit.published import LI_BOUNDS
 from helpers import TABLE_2, assert_refused, family
@@ -83,10 +83,6 @@ def test_bad_options(small_family):
         ({"method": "sapso"}, "unknown method 'sapso'.*did you mean 'sa-pso'"),
         ({"model": "preisac"}, "unknown model 'preisac'.*did you mean 'preisach'"),
         (other, "method is 'pso': model 'bouc-wen' has the method 'certified' only"),
-        ({"method": "auto"}, r"'auto' was a name of version 0.2: write 'select\(curves\)'"),
-        ({"objective": "sse"}, r"'objective' was a name of version 0.2: write 'method=Search"),
-        ({"tare": 0.2}, r"'tare' was a name .* write 'corrections=Corrections\(tare=\.\.\.\)'"),
-        ({"weights": 1}, "unknown option 'weights': use one of bounds, corrections, fixed"),
         ({"method": Search("pso", objective="ssee")}, "unknown loss 'ssee'"),
         ({"initial_torque": "measurd"}, "unknown initial_torque 'measurd'"),
         ({"initial_torque": float("nan")}, "initial_torque is nan"),
@@ -104,8 +100,6 @@ def test_bad_options(small_family):
         (Certified, {"trials": 0}, "trials is 0: use at least 1"),
         (partial(Search, "pso"), {"trials": 0}, "trials is 0: use at least 1"),
         (partial(Search, "sapso"), {}, "unknown method 'sapso'.*did you mean 'sa-pso'"),
-        (partial(Search, "ga"), {}, "method 'ga' is an example since version 0.3: exam"),
-        (partial(method_of, "ga"), {}, "method 'ga' is an example since version 0.3: exam"),
         (partial(bare, TRUTH), {}, "model is 'bouc-wen': give a Jiles-Atherton model"),
     ]
     assert_refused(lambda call, options: call(**options), rows)
