@@ -1,4 +1,4 @@
-"""What is taken off measured curves before a fit, or fitted beside a model."""
+"""Corrections of measured curves before a fit, and terms that are fitted beside a model."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from .tare import Tare, checked_tare, found_tare, tared
 
 @dataclass(frozen=True, kw_only=True)
 class Corrections:
-    """What a fit takes off the curves, or fits beside the model.
+    """Corrections of the curves before a fit, and terms that are fitted beside the model.
 
     Attributes:
         tare: Offset of the torque sensor [N·m], which is subtracted from all curves; "zero" is the
-            mean torque with which they begin, "fit" the one that the certified fit prefers (of
-            Jiles-Atherton where the model is selected).
+            mean torque at their beginning, "fit" the offset with the least error of the certified
+            fit (of Jiles-Atherton if the model is selected).
         rate: Rate-dependent part of the torque that is fitted beside the certified model:
             nothing ("none"), a dashpot ("viscous"), or a dashpot and a Maxwell element
             ("relaxing"); the model is then `Viscoelastic`, and the curves need times.
@@ -27,10 +27,10 @@ class Corrections:
             which contact opens at zero torque, or without one ("none"); the model is then
             `Backlash`, if a gap was found.
         softening: Whether a change of the torque over the cycles is estimated with the certified
-            fit, as the tare is, and removed from the curves ("fit"), or there is none ("none").
-            The model is then that of the end of the measurement.
-        average_cycles: Whether all cycles of each record but the first are replaced by their mean,
-            see `averaged_cycles`.
+            fit and removed from the curves ("fit"), so that the model is that of the end of the
+            measurement, or not ("none").
+        average_cycles: Whether `identify` replaces all cycles of each record but the first by their
+            mean, see `averaged_cycles`.
     """
 
     tare: Tare = 0.0
@@ -54,7 +54,7 @@ class Corrections:
 
     @property
     def beside(self) -> dict[str, Any]:
-        """What is fitted beside or before the model, as options of `fit_model`."""
+        """Rate and play that are fitted with the model, as options of `fit_model`."""
         return {
             name: value
             for name, value in (("rate", self.rate), ("play", self.play))
@@ -76,13 +76,7 @@ class Corrected(NamedTuple):
 def corrected(
     read: Curves, corrections: Corrections, fitted: Callable[[Curves], Fitted]
 ) -> Corrected:
-    """Returns the curves without tare and softening, all of them and those to fit.
-
-    Args:
-        read: The curves as they were read.
-        corrections: What to take off.
-        fitted: Certified fit of the model to curves.
-    """
+    """Returns curves without tare and softening; `fitted` is the certified fit of the model."""
     measured = thinned(read.fitted())
     refuse_driven(measured)
     offset = found_tare(measured, corrections.tare, lambda curves: fitted(curves).loss)

@@ -12,7 +12,7 @@ from ..data.curves import Curves
 
 Tare = float | Literal["zero", "fit"]
 FINE = 1e-3  # tolerance of a fitted offset, as a share of the peak
-FLAT = 1.02  # ratio to the least error: where another offset fits as well, none is identifiable
+FLAT = 1.02  # ratio to the least error, below which another offset fits as well: none is identified
 
 
 def checked_tare(tare: Tare) -> None:
@@ -34,8 +34,8 @@ def tared(curves: Curves, tare: float) -> Curves:
 def found_tare(family: Curves, tare: Tare, error: Callable[[Curves], float]) -> float:
     """Returns the offset of the torque sensor [N·m].
 
-    "zero" is the mean torque with which the curves begin, "fit" the offset that a fit of the model
-    prefers; `error` returns the error of that fit over the peak of its curves.
+    "zero" is the mean torque at the beginning of the curves, "fit" the offset with the least error
+    of a fit; `error` returns the error of the fit of curves over their peak.
     """
     if tare == "zero":
         return family.start_torque
@@ -64,7 +64,7 @@ def is_open(curves: Curves, error: Callable[[Curves], float]) -> bool:
 
 
 def _misses(curves: Curves, error: Callable[[Curves], float]) -> float:
-    """Returns the root mean square error of a fit [N·m], or a large one where nothing fits."""
+    """Returns the root mean square error of a fit [N·m], or a large number if no fit exists."""
     try:
         return error(curves) * curves.peak
     except InputError:  # nothing certified fits such curves

@@ -172,15 +172,8 @@ def _least_squares(
 ) -> tuple[Array, Array, Array]:
     """Minimizes |offset of each curve + free x + positive y - torque|^2 + |rules (x, y)|^2.
 
-    Args:
-        curves: Measured curves.
-        free: Columns of x, shape (samples, free).
-        positive: Columns of y, shape (samples, positive).
-        rules: Rows that draw numbers together.
-        ends: Lower and upper bounds of x and y, shape (2, free + positive); None without any.
-
-    Returns:
-        The offsets, x, and y >= 0.
+    The columns `free` and `positive` have the shape (samples, n). `rules` are rows that draw
+    numbers together, and `ends` the bounds of x and y, shape (2, n). Returns offsets, x and y >= 0.
     """
     begins = np.repeat(np.eye(len(curves)), [curve.angle.size for curve in curves], axis=0)
     rows = np.reshape(rules, (-1, free.shape[1] + positive.shape[1]))

@@ -1,9 +1,8 @@
 """Faults of a measurement that explain the residual of a fit: their tests, fits and choice.
 
 Each of `judging.faults` is first one column beside the derivatives of a fit (see
-`judging.misfit`). Those that the F test finds are then fitted beside the model, alone or in pairs,
-and are causes only if nothing but noise remains: a wrong model is no fault of the measurement, and
-no fault makes it right.
+`judging.misfit`). The faults that the F test finds are then fitted beside the model, alone or in
+pairs, and are causes only if nothing but noise remains: then the model is right.
 """
 
 import math
@@ -25,8 +24,8 @@ from .sentences import Remark
 
 RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
 ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
-# Probability below which a fault is fitted. Play and gaps are less certain by their column, which
-# has another size than they, than by their fit.
+# Probability below which a fault is fitted: more than RARE, because the column of a play or gap is
+# computed at another size than that of the fit.
 SCREENED = 0.005
 NEVER_BELOW_ZERO = ("play", "gap", "rate")
 NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
@@ -42,12 +41,12 @@ class Cause:
 
     Attributes:
         name: tare, rate, lag, play, gap, drift, softening, offset or gain.
-        curve: Name of the curve that has it; empty if all have.
-        size: How large it is: [N·m] of tare and offset, [N·m·s/rad] of rate, [s] of lag, [rad] of
-            play and gap, [1] of gain, of drift, per curve, or per cycle of one long record, and of
-            softening, at the beginning over the end.
-        explained: F test of its column, or of what it adds at its size.
-        left: Root mean square of the residual if all of them are fitted too [N·m].
+        curve: Name of the curve with the fault; empty if all curves have the fault.
+        size: Size: [N·m] of tare and offset, [N·m·s/rad] of rate, [s] of lag, [rad] of play and
+            gap, [1] of gain, of drift (per curve, or per cycle of one long record) and of softening
+            (at the beginning, relative to the end).
+        explained: F test of its column, or of its torque at the fitted size.
+        left: Root mean square of the residual if all causes are fitted too [N·m].
     """
 
     name: Fault
@@ -136,7 +135,7 @@ def causes(rest: Residual) -> list[Cause]:
 
 
 def _proofs(rest: Residual, fit: Beside, faults: Sequence[Linear]) -> list[Explained]:
-    """Returns the surer F test of each fault: by its column, or by what it adds at its size."""
+    """Returns the surer F test of each fault: of its column, or of its torque at its size."""
     first, found = fit.slopes.shape[1] - fit.sizes.size, []
     for i, (one, added) in enumerate(zip(faults, fit.added.T, strict=True)):
         others = np.delete(fit.slopes, first + i, axis=1)
@@ -158,7 +157,7 @@ def _surest(rest: Residual, residual: Array, slopes: Array, column: Array) -> Ex
 def _criterion(faults: Sequence[Linear], fit: Beside) -> float:
     """Returns the Bayesian information criterion of faults that are fitted beside a model.
 
-    Wear-in has a pace, too, which is chosen among several.
+    Softening has two parameters: its size, and its pace, which is chosen among several.
     """
     numbers = sum(2 if one.hypothesis.name == "softening" else 1 for one in faults)
     samples = fit.residual.size

@@ -170,14 +170,6 @@ def ensemble(
     Curves with nested loops test the models beyond first-order curves: every candidate is fitted to
     all other curves and predicts these, which counts beside its other left-out errors.
 
-    Args:
-        candidates: Models that were fitted to the curves; those that failed are left out.
-        curves: These curves.
-        noise: Noise of the torque.
-        seed: Seed of all random numbers.
-        options: Options of the candidates' fits, by model.
-        fitted_start: Whether the fit of a model, by name, chooses the torque at the beginning.
-
     Returns:
         The ensemble; None where every candidate meets its pole on a left-out curve.
     """
@@ -235,19 +227,11 @@ def drawn(
     seed: int,
     constraints: Constraints = FREE,
 ) -> list[Uncertainty]:
-    """Returns the uncertainties of the members with models to randomize with, which they share.
+    """Returns the uncertainties of the members, which share the models to draw.
 
     Each model is a refit of a member to its own curves with new noise and systematic errors.
-    Members share the number in proportion to their weight; a model that cannot begin as the joint
-    does is left out.
-
-    Args:
-        found: Ensemble.
-        measured: Curves that it was fitted to.
-        initial_torque: Torque with which the joint begins [N·m]; or "measured".
-        samples: Number of models.
-        seed: Seed of all that is drawn.
-        constraints: Parameters that the user fixed or bounded.
+    Members share the number in proportion to their weights; members that cannot begin with the
+    torque [N·m] of the joint are left out.
     """
     at_least("samples", samples, 0)
     check_seed(seed)

@@ -142,18 +142,13 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
 def outliers(
     residual: Array, curves: Sequence[Curve], scale: Array, *, is_misfit: bool
 ) -> list[Remark]:
-    """Returns remarks on samples that a sensor cannot have measured.
+    """Returns remarks on samples that are errors of the sensor.
 
-    The first statistic is the residual less the mean of its two neighbors, which a smooth misfit
-    leaves small; the second one the mean of a run less that of the samples before and after. Both
-    are divided by their deviation by the median, which outliers leave as it is. Noise whose tails
-    are heavy has no outliers.
-
-    Args:
-        residual: Residual of the fit [N·m] over the scale, shape (samples,).
-        curves: The fitted curves.
-        scale: Relative deviation of the noise of each sample, shape (samples,).
-        is_misfit: Whether the model surely is wrong; then it may be at fault, and none is returned.
+    The first statistic is the residual less the mean of its two neighbors, which is small for a
+    smooth misfit; the second is the mean of a run less that of the samples before and after. Both
+    are divided by a deviation from the median, which outliers hardly change. Noise whose tails
+    are heavy has no outliers. The residual is over `scale`, the relative deviation of the noise. A
+    model that surely is wrong may be the cause itself: then there is no remark.
     """
     ends = np.cumsum([curve.torque.size for curve in curves])[:-1]
     parts = np.split(residual, ends)

@@ -45,7 +45,7 @@ def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int], scal
 
 
 class Term(NamedTuple):
-    """A quantity that is not in the model: what the curves say of it, and its deviation."""
+    """Estimate of a quantity that is not in the model, with its standard deviation."""
 
     value: float
     deviation: float
@@ -55,15 +55,15 @@ class Term(NamedTuple):
         return value - WIDTH * self.deviation, value + WIDTH * self.deviation
 
     def drawn(self, rng: np.random.Generator) -> float:
-        """Returns a value that the curves allow."""
+        """Returns a random value of this distribution."""
         return self.value + self.deviation * float(rng.standard_normal())
 
 
 @dataclass(frozen=True, kw_only=True)
 class Systematic:
-    """Systematic errors that curves allow beside a model; None where the curves leave one open.
+    """Systematic errors that curves allow beside a model; None if the curves do not limit an error.
 
-    They leave the offset open where the model has a spring with a rest angle of its own.
+    The offset is not limited beside a model whose spring has a rest angle.
     """
 
     offset: Term | None  # of the torque sensor [N·m]
@@ -80,20 +80,12 @@ def systematic(
     noise: Noise,
     relative: Array,
 ) -> Systematic:
-    """Estimates offset and damping from what a fit has left.
+    """Estimates offset and damping from the residual (samples,) [N·m] of a fit.
 
-    Each is the least-squares estimate of one more column beside those of the fit, which is what is
-    left of the column once the fit has explained its part (Frisch and Waugh 1933, Econometrica 1,
-    387).
-
-    Args:
-        model: Model that is fitted to the curves.
-        curves: These curves.
-        slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
-        residual: Measured less modeled torque [N·m], shape (samples,).
-        weights: Factors of slopes and residual of each sample, shape (samples,).
-        noise: Noise of the torque, after the factors.
-        relative: Relative deviation of the noise of each sample, shape (samples,).
+    Each is the least-squares estimate of one more column beside the slopes (samples, p) of the fit,
+    found from the part of the column that the slopes do not explain (Frisch and Waugh 1933,
+    Econometrica 1, 387). Slopes and residual have the factors `weights`; `relative` is the relative
+    deviation of the noise of each sample.
     """
     sizes = [curve.angle.size for curve in curves]
     rate = None if isinstance(model, Viscoelastic) else rates_of(curves)
