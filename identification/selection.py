@@ -11,8 +11,7 @@ from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, unknown_name
-from .corrections.corrections import Corrections
-from .corrections.tare import is_open
+from .corrections.corrections import Corrections, is_open
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import Question, questions
@@ -72,6 +71,7 @@ def _candidate(
         name=name,
         model=found.model,
         initial_torque=found.initial_torque,
+        fitted_start=fits_start(name, options.get("initial_torque")),
         parameters=found.model.free_parameters - known,
         prediction_nrmse=nrmse(np.concatenate(errors), curves),
         prediction_errors=np.concatenate(errors),
@@ -245,20 +245,13 @@ def select(
         [trial],
         needed,
         constraints=constraints,
-        fitted_start=fits_start(chosen.name, initial_torque),
+        fitted_start=chosen.fitted_start,
         interrupted=interrupted,
         memoryless=_memoryless(chosen, predictions(asked, measured)),
     )
     members = alike = None
     if fit.judgement is not None:
-        members = ensemble(
-            tried,
-            measured,
-            fit.judgement.noise,
-            seed=seed,
-            options=ways,
-            fitted_start=lambda name: fits_start(name, initial_torque),
-        )
+        members = ensemble(tried, measured, fit.judgement.noise, seed=seed, options=ways)
     if members is not None and intended:
         alike = agreement(members, intended, measured.peak)
         fit = _weighed(fit, alike)

@@ -1,15 +1,21 @@
 """Corrections of measured curves before a fit, and terms that are fitted beside a model."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, NamedTuple, get_args
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple, get_args
 
+from scipy.optimize import minimize_scalar
+
+from ...checks import number
 from ...errors import InputError, unknown_name
 from ..data.curves import Curves, refuse_driven
 from ..data.parts import JUDGED, thinned
 from ..fits.registry import Fitted, Play, Rate
 from .softening import Count, Softening, Softens, found_softening, without_change
-from .tare import Tare, checked_tare, found_tare, tared
+
+Tare = float | Literal["zero", "fit"]
+FINE = 1e-3  # tolerance of a fitted offset, as a share of the peak
+FLAT = 1.02  # ratio to the least error, below which another offset fits as well: none is identified
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +46,10 @@ class Corrections:
     average_cycles: bool = False
 
     def __post_init__(self) -> None:
-        checked_tare(self.tare)
+        if not isinstance(self.tare, str):
+            number("tare", self.tare, "N·m")
+        elif self.tare not in ("zero", "fit"):
+            raise InputError(f"tare is {self.tare!r}: give a number in N·m, 'zero' or 'fit'")
         for name, known in (("rate", Rate), ("play", Play), ("softening", Softens)):
             given = getattr(self, name)
             if given not in get_args(known):
@@ -91,3 +100,51 @@ def corrected(
         )
     judged = thinned(family.fitted(), JUDGED)
     return Corrected(family, measured, judged, offset, change, read)
+
+
+def tared(curves: Curves, tare: float) -> Curves:
+    """Returns curves less an offset of the torque sensor [N·m]."""
+    if tare == 0:
+        return curves
+    rest = (replace(curve, torque=curve.torque - tare) for curve in curves)
+    return curves.of(rest)
+
+
+def found_tare(family: Curves, tare: Tare, error: Callable[[Curves], float]) -> float:
+    """Returns the offset of the torque sensor [N·m].
+
+    "zero" is the mean torque at the beginning of the curves, "fit" the offset with the least error
+    of a fit; `error` returns the error of the fit of curves over their peak.
+    """
+    if tare == "zero":
+        return family.start_torque
+    if tare != "fit":
+        return float(tare)
+    peak = family.peak
+
+    def misses(offset: float) -> float:
+        return _misses(tared(family, offset), error)
+
+    found: Any = minimize_scalar(
+        misses, bounds=(-peak / 2, peak / 2), method="bounded", options={"xatol": FINE * peak}
+    )
+    best = float(found.x)
+    if is_open(tared(family, best), error):
+        raise InputError(
+            "tare is 'fit', but the model fits these curves with any offset: leave it out, or "
+            "give the offset as a number"
+        )
+    return best
+
+
+def is_open(curves: Curves, error: Callable[[Curves], float]) -> bool:
+    """Returns whether a model fits curves as well with another offset of a quarter of the peak."""
+    return _misses(tared(curves, curves.peak / 4), error) < FLAT * _misses(curves, error)
+
+
+def _misses(curves: Curves, error: Callable[[Curves], float]) -> float:
+    """Returns the root mean square error of a fit [N·m], or a large number if no fit exists."""
+    try:
+        return error(curves) * curves.peak
+    except InputError:  # nothing certified fits such curves
+        return 10 * curves.peak

@@ -7,7 +7,7 @@ The spread alone does not measure the error, because it misses effects that no m
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -43,6 +43,7 @@ class Candidate:
     name: str
     model: HysteresisModel | None = None  # fitted to all curves
     initial_torque: InitialTorque = 0.0  # with which the curves begin [N·m]
+    fitted_start: bool = False  # whether the fit chose that torque
     parameters: int = 0  # number that the fit chooses
     prediction_nrmse: float = float("inf")  # over what was left out of the fit
     fit_nrmse: float = float("inf")  # on the fitted curves
@@ -52,24 +53,17 @@ class Candidate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Member:
-    """A model of an ensemble.
+class Member(Candidate):
+    """A candidate in an ensemble.
 
     Attributes:
-        name: Name of the model.
-        model: Model that is fitted to all curves.
-        initial_torque: Torque with which the curves begin [N·m]; or "measured".
-        fitted_start: Whether the fit chose that torque.
         error: Root mean square error of its predictions of left-out curves [N·m].
         weight: Share in the mean of the ensemble, proportional to the inverse square of the upper
             limit of its squared error beyond the noise: that of the best member, plus the
             difference of their squared errors.
     """
 
-    name: str
     model: HysteresisModel
-    initial_torque: InitialTorque
-    fitted_start: bool
     error: float
     weight: float
 
@@ -163,7 +157,6 @@ def ensemble(
     *,
     seed: int,
     options: Mapping[str, Mapping[str, Any]],
-    fitted_start: Callable[[str], bool],
 ) -> Ensemble | None:
     """Joins the candidates that predict left-out curves nearly as well as the best.
 
@@ -201,16 +194,8 @@ def ensemble(
     weight = (far.min() / far) ** SHARPNESS
     return Ensemble(
         members=tuple(
-            Member(
-                name=one.name,
-                model=one.model,
-                initial_torque=one.initial_torque,
-                fitted_start=fitted_start(one.name),
-                error=score[one.name],
-                weight=share,
-            )
+            Member(**vars(one), error=score[one.name], weight=share)
             for one, share in zip(kept, (weight / weight.sum()).tolist(), strict=True)
-            if one.model is not None
         ),
         excess=limit,
         nested=tuple(curve.name for curve in nested),

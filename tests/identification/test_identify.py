@@ -171,7 +171,8 @@ def test_the_objective_decides_which_trial_is_best(small_family):
 def test_weights_count_or_are_refused(small_family):
     weighted = [replace(c, weight=9.0 if c.name == "1.57" else 1.0) for c in small_family]
     assert fit_curves(weighted).model != fit_curves(small_family).model
-    for fit in (partial(fit_curves, model="bouc-wen"), select):
+    behind = partial(fit_curves, corrections=Corrections(play="fit"))
+    for fit in (partial(fit_curves, model="bouc-wen"), behind, select):
         with pytest.raises(InputError, match="weights from 1 to 9: only fits of the model"):
             fit(weighted)
 

@@ -5,7 +5,7 @@ import pytest
 from activesuit.hysteresis import Asymmetric, Clipped, JilesAtherton
 from activesuit.identification import Curve, CurveObjective, bare, certified_fit
 from activesuit.identification.fits.beside_polynomial import fit_asymmetric
-from activesuit.identification.fits.certified import CertifiedProblem, common_torque
+from activesuit.identification.fits.certified import CertifiedProblem
 from activesuit.identification.fits.search import Search
 from helpers import family, sweep
 
@@ -126,19 +126,6 @@ def test_a_first_torque_is_shared_between_both_parts(elbow):
     assert len(found.polynomial) == 3
     for curve in family(known, UNSEEN, first=0.5):
         np.testing.assert_allclose(found.response(curve.angle, 0.5), curve.torque, atol=2e-3)
-
-
-@pytest.mark.parametrize("name", ["elbow", "shoulder"])
-@pytest.mark.parametrize("degree", [1, 3, 5])
-def test_what_is_returned_is_certified(name, degree, request):
-    known = Asymmetric(model=request.getfixturevalue(name), polynomial=POLYNOMIAL)
-    for seed in range(5):
-        curves = family(known, noise=SHARE * peak(known), seed=seed)
-        found = fit_asymmetric(curves, seed, degree)
-        assert len(found.polynomial) == degree + 1
-        assert found.certificate().certified
-        assert found.certificate().dissipative
-        assert found.start_is_certified(found.start(START, common_torque(found, curves)))
 
 
 def test_a_model_that_is_safe_in_its_range_only_is_constant_outside(shoulder):
