@@ -22,12 +22,6 @@ from .selection import select
 
 AUTO, CERTIFIED = "auto", "certified"
 ANY = "any"
-REFUSED = {  # beside the method auto
-    "model": "method 'auto' chooses the model",
-    "objective": "method 'auto' always minimizes the NRMSE over the family",
-    "normalize": "method 'auto' always minimizes the NRMSE over the family",
-    "trials": "method 'auto' chooses once",
-}
 
 
 def identify(
@@ -73,7 +67,7 @@ def identify(
             uncertainty out.
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
-        on_step: Function that gets the number of finished trials or models, and that of all.
+        on_step: Function that gets the numbers of finished and of all trials or models.
     """
     at_least("samples", samples, 0)
     family, notes = Curves(curves), []
@@ -103,7 +97,10 @@ def identify(
     if method == AUTO:
         for name, value in given.items():
             if value is not None:
-                raise InputError(f"{name} is {value!r}: {REFUSED[name]}; leave one of them out")
+                raise InputError(
+                    f"{name} is {value!r}: method 'auto' chooses the model once, and minimizes the "
+                    "NRMSE over the family; leave one of them out"
+                )
         total = len(FITS) * (2 if used.tare == "fit" else 1)  # again without a tare that is open
         result = select(family, intended=intended, on_candidate=step, **common)
     else:

@@ -1,4 +1,4 @@
-"""The methods of `identify`: the certified fit, searches by optimizers, and that of magnetics."""
+"""The methods of `identify`: the certified fit, searches by optimizers, and a fit of magnetics."""
 
 import inspect
 from collections.abc import Mapping
@@ -162,21 +162,17 @@ def check_together(
         raise unknown_name("model", model, FITS)
     method.check(model)
     if not isinstance(method, Certified):
-        for name, value in _fitted(method, corrections).items():
+        fitted = corrections.beside
+        if isinstance(method, Magnetic):  # a search takes tare and softening of the certified fit
+            asked = {"tare": corrections.tare, "softening": corrections.softening}
+            fitted |= {name: "fit" for name, value in asked.items() if value == "fit"}
+        for name, value in fitted.items():
             raise InputError(
                 f"{name} is {value!r}, which the method {method.name!r} does not fit: use the "
                 f"method 'certified', or leave {name} out"
             )
     if model != DEFAULT_MODEL:
         check_beginning(initial_torque)
-
-
-def _fitted(method: Method, corrections: Corrections) -> dict[str, Any]:
-    """Returns the corrections of the certified fit that the method does not have."""
-    if isinstance(method, Search):
-        return corrections.beside
-    asked = {"tare": corrections.tare, "softening": corrections.softening}
-    return corrections.beside | {name: "fit" for name, value in asked.items() if value == "fit"}
 
 
 def _only_default(name: str, model: str) -> None:

@@ -158,33 +158,9 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
     }
 
 
-def selection_summary(selection: Selection) -> dict[str, Any]:
-    """Returns the parts of a selection beside its fit as plain values for JSON."""
-    members, alike = selection.ensemble, selection.agreement
-    return {
-        "why": selection.why,
-        "agreement": alike and _plain(alike, ("half_width", "tested", "sentence")),
-        "candidates": [
-            {**_plain(one, CANDIDATE), "failed": one.reason or None} for one in selection.candidates
-        ],
-        "ensemble": members and {**members.to_dict(), "bands": bands_of(selection)},
-    }
-
-
 def _plain(one: Any, names: Sequence[str]) -> dict[str, Any]:
     """Returns attributes by name."""
     return {name: getattr(one, name) for name in names}
-
-
-def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
-    """Returns the uncertainty of the parameters as plain values for JSON."""
-    return {
-        **_plain(found, UNCERTAIN),
-        "noise": found.noise.deviation,
-        "noise_correlation": found.noise.memory,
-        "offset": found.offset and found.offset._asdict(),
-        "samples": [sample.to_dict() for sample in found.samples],
-    }
 
 
 def trial_columns(fits: Mapping[str, Mapping[str, Fit]]) -> tuple[list[str], list[list[Any]]]:
@@ -212,8 +188,8 @@ class Identification:
     Attributes:
         result: The fit, or the selection of a kind of model with its fit.
         seed: Seed of the fit.
-        uncertainty: Uncertainty of the parameters; None if it was not asked for.
-        corrections: Corrections of the curves that were asked for.
+        uncertainty: Uncertainty of the parameters; None without samples.
+        corrections: Requested corrections of the curves.
         use: Name of the use of the model; None if none was given.
         needed: Coverage of curves that this use needs; None without a use.
         notes: Sentences on averaged cycles and on the choice of the method.
@@ -290,10 +266,23 @@ class Identification:
         }
         summary = {**fit_summary(fit, self.seed), "coverage": coverage}
         summary["reading"] = fit.curves.reading
-        if self.selection:
-            summary |= selection_summary(self.selection)
-        if self.uncertainty:
-            summary["uncertainty"] = uncertainty_summary(self.uncertainty)
+        if (chosen := self.selection) is not None:
+            members, alike = chosen.ensemble, chosen.agreement
+            summary["why"] = chosen.why
+            summary["agreement"] = alike and _plain(alike, ("half_width", "tested", "sentence"))
+            summary["candidates"] = [
+                {**_plain(one, CANDIDATE), "failed": one.reason or None}
+                for one in chosen.candidates
+            ]
+            summary["ensemble"] = members and {**members.to_dict(), "bands": bands_of(chosen)}
+        if (found := self.uncertainty) is not None:
+            summary["uncertainty"] = {
+                **_plain(found, UNCERTAIN),
+                "noise": found.noise.deviation,
+                "noise_correlation": found.noise.memory,
+                "offset": found.offset and found.offset._asdict(),
+                "samples": [sample.to_dict() for sample in found.samples],
+            }
         return summary
 
     def tables(self) -> dict[str, Rows]:

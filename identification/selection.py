@@ -1,4 +1,4 @@
-"""`select`: the kind of model that predicts best, and a band over those that are nearly as good."""
+"""`select`: the kind of model that predicts best, and a band over all nearly as good kinds."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -65,7 +65,7 @@ def _candidate(
         found = fitted(curves)
         on_fit = torque_errors(found.model, found.initial_torque, curves)
     except InputError as error:
-        return Candidate(name=name, reason=str(error))
+        return Candidate(name=name, model=None, reason=str(error))
     known = sum(one.state != "free" for one in parameters_of(found.model, constraints))
     return Candidate(
         name=name,
@@ -142,12 +142,7 @@ class Selection:
             return self.fit.uncertainty(samples=samples, seed=seed)
         found, fit = self.fit.uncertainty(seed=seed), self.fit
         members = drawn(
-            self.ensemble,
-            fit.fitted_curves,
-            fit.initial_torque,
-            samples,
-            seed,
-            fit.constraints,
+            self.ensemble, fit.fitted_curves, fit.initial_torque, samples, seed, fit.constraints
         )
         rivals = (name for one in members for name in one.offset_open if name not in ITS_OWN)
         return replace(
@@ -182,12 +177,12 @@ def select(
             and softening are those of Jiles-Atherton. If an equally good model fits with any tare,
             the models are fitted again without a tare, and the first remark of the fit says so.
         fixed: Parameters that keep a value, see `fit_curves`; models without them are not chosen.
-        bounds: Lower and upper bound of parameters, likewise.
+        bounds: Lower and upper bound of parameters, see `fit_curves`.
         initial_torque: The torque with which the curves begin, as in `fit_curves`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
         workers: The number of threads, which share the models; -1 uses all cores.
-        needed: Coverage of the intended motions, see `fit_curves`; by default that of `intended`.
+        needed: Coverage of the intended motions, see `fit_curves`; by default of `intended`.
         intended: Intended motions, on which the kinds of model are compared: if a tested band is
             narrow there, the verdict extends to loops that the curves do not have.
         on_candidate: Function that gets every finished `Candidate`, in any order.

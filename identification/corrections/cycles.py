@@ -17,18 +17,18 @@ FEWEST = 2  # fewest cycles after the first of which a mean is taken
 def averaged_cycles(curves: Sequence[Curve]) -> Curves:
     """Returns records in which the mean of all later cycles follows the first one.
 
-    The noise of that mean is smaller by the root of the number of cycles, and what changes from
-    cycle to cycle is gone. The first cycle stays as measured: a model runs through it, so that its
-    memory is right where the mean begins. Each branch is averaged at equal shares of its way;
-    angles, torques and times are the means of those of the cycles. Records go to and fro between
-    the same two angles, at least three times; first cycles need not be steady.
+    The noise of the mean is smaller by the root of the number of cycles, and changes from cycle to
+    cycle are gone. The first cycle stays as measured: a model runs through this cycle, so that its
+    memory is right where the mean begins. Each branch is averaged at equal shares of its way:
+    angles, torques and times are means over the cycles. Records go to and fro between the same two
+    angles at least three times; the first cycle need not be steady.
     """
     family = Curves(curves)
     return family.of(map(_averaged, family))
 
 
 def cycles_of(curve: Curve) -> int:
-    """Returns how many cycles after the first `averaged_cycles` takes the mean of."""
+    """Returns the number of cycles after the first, of which `averaged_cycles` takes the mean."""
     return max((len(_ends(curve)) - 1) // 2 - 1, 0)
 
 

@@ -20,7 +20,7 @@ from .curves import Curve, Curves
 # the branch before, by a ninth of the range.
 BRANCHES = 9
 MIN_RATE, MAX_RATE = 0.02, 0.5  # assumed rates [rad/s]: slow, and the fastest of the simulated rig
-SAMPLE_RATE = 25.0  # assumed rate [Hz], that of the simulated rig
+SAMPLE_RATE = 25.0  # assumed rate [Hz] of samples, as of the simulated rig
 SHORTEST = 1.0  # assumed time of a branch [s], in which a motor speeds up and slows down
 LONGEST = 3600.0  # longest record of the simulated rig [s]
 MOST = 1_000_000  # largest number of samples
@@ -210,8 +210,8 @@ def multi_order_motion(
 ) -> Array:
     """Returns a motion that reverses at random angles, so that curves of higher order are nested.
 
-    It begins upwards at `low`. Every branch ends at an angle that is uniform over what its
-    direction leaves of the range, at least 10 % of the range away.
+    The motion begins upwards at `low`. The end of each branch is uniform over the angles ahead in
+    the range, at least 10 % of the range away.
 
     Args:
         low: Smallest angle [rad].

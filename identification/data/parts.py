@@ -1,4 +1,4 @@
-"""Parts of curves: the samples of a long record that a fit uses, and what is left out of a fit."""
+"""Parts of curves: samples of a long record for a fit, and parts that are left out of a fit."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ from ...hysteresis.loops import estimate_dead_band, reversals
 from .curves import Curve, Curves
 
 FITTED = 50_000  # approximate number of samples of all curves of a fit together
-JUDGED = 5_000  # the same of a verdict: more take long and add little
+JUDGED = 5_000  # approximate number of samples of a verdict: more take long and add little
 DRAWN = 4_000  # approximate number of points of all curves of a panel together
 LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
 LEAST_TURNS = 3  # least number of reversals in the last two thirds of a record
@@ -22,7 +22,7 @@ BEYOND = 0.01  # tolerated excursion of a part beyond the known range, over that
 
 
 def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:
-    """Returns curves of about `most` samples in all: those given, unless they have more.
+    """Returns curves of about `most` samples in all: the given curves, unless they have more.
 
     Of each curve every n-th sample stays, with its two ends and its turning points; n is the number
     of samples over `most`, rounded up. Samples are left as they are, noise included.

@@ -26,7 +26,7 @@ from .search import MARGIN, BesidePolynomial, search_shapes
 SCREENED = 64
 BUDGET = 600  # evaluations of the model on all curves
 # Search box.
-YIELD = (0.003, 10.0)  # beta^(-1/n), the z where it yields, over the span of the angles
+YIELD = (0.003, 10.0)  # beta^(-1/n), the z of yielding, over the span of the angles
 BEND = (-0.99, 1.0)  # gamma / beta; at least -1 and at most 1 is dissipative
 SHARPNESS = (1.0, 20.0)  # n
 FEW_SCREENED = 8
@@ -95,7 +95,7 @@ def fit_bouc_wen(
     """Fits a dissipative Bouc-Wen model with A = 1 by variable projection.
 
     At fixed (beta, gamma, n) and z at the beginning, torque is linear in the elastic and the
-    hysteretic stiffness and in the elastic torque at the beginning, which is what the rest angle
+    hysteretic stiffness and in the elastic torque at the beginning, for which the rest angle
     stands for. Those three follow from a projection, with hysteretic > 0. The others are searched
     as log beta^(-1/n), gamma / beta, log n and z over its bound: bounded least squares from the
     best of some Sobol points, in a box whose models are all certified and dissipative.

@@ -97,14 +97,14 @@ class _Constrained:
             model, start = self.at(point)
             errors = torque_errors(model, start, self.curves) / self.peak
             lacking = self.lacking(model, start)
-        except InputError:  # no such model, or it cannot begin so
+        except InputError:  # no such model, or no such beginning
             return Evaluation(rejected, 1.0, point.copy())
         errors = np.where(np.isfinite(errors), errors, REJECTED)
         return Evaluation(errors, lacking, point.copy())
 
     def lacking(self, model: HysteresisModel, start: InitialTorque) -> float:
         """Returns the missing margin of a model, at all angles or in the range: the smaller one."""
-        if isinstance(model, BoucWen):  # it is dissipative up to |gamma| = beta
+        if isinstance(model, BoucWen):  # dissipative up to |gamma| = beta
             return max(abs(model.gamma) / model.beta - 1 + MARGIN / 2, 0.0)
         model = self.safe(model)
         certificate = model.certificate()

@@ -1,7 +1,7 @@
 """Jiles-Atherton of magnetics: magnetization over a field, in the form that fits it best.
 
-A magnetization lags behind its field, so its loops run the other way round than those of a joint,
-and the models feed energy into a joint. None of them is certified.
+A magnetization lags behind its field, so its loops run the other way round than loops of a joint.
+Such models feed energy into a joint, and are never certified.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The parameters of fits: name, unit, value and limits, and what the user fixes or bounds."""
+"""The parameters of fits: name, unit, value and limits, and the constraints of the user."""
 
 import copy
 import math

@@ -1,4 +1,4 @@
-"""The certified fits by the name of their model, and what is fitted beside or before a model.
+"""The certified fits by the name of their model, and fits of rate and play with a model.
 
 A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
 the option `rng` if it depends on random numbers, and returns a model that is certified and
@@ -162,7 +162,7 @@ def play_of(model: HysteresisModel) -> Play:
 
 
 def without_play(model: HysteresisModel) -> HysteresisModel:
-    """Returns the model behind the play, or the model itself where there is none."""
+    """Returns the model behind the play, or the model itself without play."""
     return model.model if isinstance(model, Backlash) else model
 
 
@@ -176,9 +176,9 @@ def fit_behind_play(
 
     For a given gap, the sign of the torque shows the face in contact, and so the angle of the
     suit's side, to which the model is fitted; where the torque is lost in the noise, the suit's
-    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the one for
-    which the model behind it is nearest to the torque: the best of a grid, refined by Brent's
-    bounded search. A gap that lowers the error by less than the cost of its parameter (the
+    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the gap with
+    the least error of the model behind it: the best of a grid, refined by Brent's bounded
+    search. A gap that lowers the error by less than the cost of its parameter (the
     Bayesian information criterion) does not count, and the model is returned without it. `quick` is
     the fit with less effort, which compares gaps.
     """
@@ -197,12 +197,8 @@ def fit_behind_play(
     grid = np.linspace(first, widest, GAPS)
     best = int(np.argmin([loss(float(gap)) for gap in grid]))
     near = grid[max(best - 1, 0)], grid[min(best + 1, GAPS - 1)]
-    minimize_scalar(
-        lambda gap: loss(float(gap)),
-        bounds=near,
-        method="bounded",
-        options={"xatol": CLOSE * widest},
-    )
+    fine: Any = {"xatol": CLOSE * widest}
+    minimize_scalar(lambda gap: loss(float(gap)), bounds=near, method="bounded", options=fine)
     gap = min(found, key=loss)
     chosen = _behind(curves, gap, fit)
     if first > 0:
@@ -222,7 +218,7 @@ def _behind(
     slow = fit([replace(one, angle=suit_angles(one, gap)) for one in curves])
     behind = Backlash(model=slow.model, gap=gap)
     starts: list[InitialTorque] = [slow.initial_torque]
-    # A torque within the noise may mean a start inside the gap: the better one is taken.
+    # A torque within the noise may mean a start inside the gap: the better start is taken.
     if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
         starts.append(0.0)
     return min((scored(behind, one, curves) for one in starts), key=lambda one: one.loss)
@@ -289,7 +285,7 @@ def fit_model(
         if constraints and not constraints.hold(found.model):
             return constrained_fit(found, curves, constraints, rng)
         return found
-    return replace(found, history=())  # its unit is not that of an optimizer's
+    return replace(found, history=())  # pairs of a certified fit, which no user of trials expects
 
 
 def is_seeded(name: str) -> bool:

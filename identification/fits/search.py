@@ -16,7 +16,7 @@ from ...errors import InputError
 from ..data.curves import Curve, Curves, noise_floor, turns_back
 
 MARGIN = 0.01  # margin of the certificate that a fit keeps
-PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
+PENALTY = 10.0  # residual per missing margin: a margin of 0.01 weighs as 1 % noise in 100 samples
 AGREED = 1e-3  # relative difference of scores within which two runs found the same optimum
 REJECTED = 10.0  # residual in place of an infinite one
 STALLED = 1e-5  # relative change of cost or point that ends one least-squares run
@@ -24,7 +24,7 @@ NOISE_MARGIN = 1.03  # ratio to the noise floor, below which a score is as good 
 DIFFERENCE = 1e-5  # step of a difference in place of a derivative
 DERIVATIVES_COST = 3  # model runs; a response with all its derivatives takes the time of 1.7 to 2.3
 AGREEING = 2  # runs that end at the same optimum, which ends the search
-LEAST_SCALE = 1e-9  # least scale of the hysteretic part, in place of one that would drive the joint
+LEAST_SCALE = 1e-9  # least scale of the hysteretic part: a negative scale would drive the joint
 FEWEST_BEYOND = 7  # least number of different angles less the degree, to determine the fits
 SAME_START = 0.05  # largest distance of the beginnings of first-order curves, over the span
 
@@ -71,12 +71,7 @@ class Search:
     """
 
     def __init__(
-        self,
-        problem: Any,
-        budget: int,
-        *,
-        exact: bool = False,
-        stalled: float = STALLED,
+        self, problem: Any, budget: int, *, exact: bool = False, stalled: float = STALLED
     ) -> None:
         self.problem, self.budget, self.exact, self.stalled = problem, budget, exact, stalled
         self.best: Array | None = None

@@ -119,7 +119,7 @@ def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
 
 
 def independent(columns: Array) -> Array:
-    """Returns an orthonormal basis of what columns span, shape (samples, rank)."""
+    """Returns an orthonormal basis of the span of columns, shape (samples, rank)."""
     size = np.linalg.norm(columns, axis=0)
     scaled = columns[:, size > 0] / size[size > 0]
     if not scaled.size:

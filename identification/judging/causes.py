@@ -22,7 +22,7 @@ from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 from .sentences import Remark
 
-RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
+RARE = 1e-4  # probability below which a fault counts as certain
 ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
 # Probability below which a fault is fitted: more than RARE, because the column of a play or gap is
 # computed at another size than that of the fit.
@@ -66,7 +66,7 @@ class Cause:
 
 
 class Residual(NamedTuple):
-    """The residual of a fit, and what it is tested against.
+    """The residual of a fit, with the quantities of its tests.
 
     Residual, slopes and smooth columns are divided by the relative deviation of the noise.
     """
@@ -75,7 +75,7 @@ class Residual(NamedTuple):
     curves: Curves  # in the order of measurement
     values: Array  # measured less fitted torque [N·m], (samples,)
     slopes: Array  # of the torque by the fitted parameters, (samples, p)
-    smooth: Array  # columns that may explain what remains, (samples, q)
+    smooth: Array  # columns that may explain the residual, (samples, q)
     scale: Array  # relative deviation of the noise of each sample, (samples,)
     known: Noise | None  # from repeated curves; None: to be estimated
 
@@ -97,7 +97,7 @@ class Linear(NamedTuple):
 class Beside(NamedTuple):
     """A model and faults that are fitted together."""
 
-    residual: Array  # what remains [N·m], (samples,)
+    residual: Array  # residual of both [N·m], (samples,)
     slopes: Array  # of the torque by coordinates and sizes, (samples, p + faults)
     sizes: Array  # of the faults
     added: Array  # torque of each fault [N·m], (samples, faults)
@@ -228,7 +228,7 @@ def _fitted(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
 
 
 def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
-    """Fits model and faults together by least squares; None where that fails."""
+    """Fits model and faults together by least squares; None if the fit fails."""
     from scipy.optimize import least_squares  # slow to import
 
     coordinates, curves, scale = rest.coordinates, rest.curves, rest.scale
@@ -260,6 +260,6 @@ def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
     try:
         _, added = parts(found.x)
     except (InputError, OverflowError):
-        return None  # it ended where there is no such model
-    finite = np.isfinite(added).all()  # else it ended at a pole
+        return None  # the fit ended at parameters without a model
+    finite = np.isfinite(added).all()  # else the fit ended at a pole
     return Beside(found.fun, -found.jac, found.x[count:], added) if finite else None

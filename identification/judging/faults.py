@@ -12,7 +12,7 @@ from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..fits.objective import InitialTorque, predicted
 
-# Plays and gaps to try [rad], because the torque that they add is not proportional to them.
+# Plays and gaps to try [rad], as their torque is not proportional to their size.
 WIDTHS = np.radians([0.2, 1.0, 4.0])
 REST = 3600.0  # s, so long that the way to a face has no rate
 LARGEST_DRIFT = 0.5  # share of the torque from curve to curve; more is no drift
@@ -125,7 +125,7 @@ def _begun_at_face(curve: Curve, shift: float) -> Curve:
 
 
 def _behind_gap(model: HysteresisModel, gap: float) -> HysteresisModel:
-    """Returns a model behind a gap; a dashpot stays beside it."""
+    """Returns a model behind a gap; a dashpot stays beside both."""
     if isinstance(model, Viscoelastic):
         return replace(model, model=_behind_gap(model.model, gap))
     return Backlash(model=model, gap=gap)

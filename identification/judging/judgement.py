@@ -27,7 +27,7 @@ BASELINES: dict[str, Callable[[Array, Array], Branches]] = {
     "two branches without memory": two_branches,
 }
 MATTERS = 1e-3  # NRMSE that a good load cell resolves: a smaller one gets no remark
-UNLIKELY = 0.005  # probability of a misfit by noise alone, below which it is reported
+UNLIKELY = 0.005  # probability of a misfit by noise alone, below which the misfit is reported
 HARDLY = 1e-3  # least singular value over the largest: models of many weights have many small ones
 WITHOUT_REPEATS = 0.05  # NRMSE above which only repeated curves show that the rest is noise
 UNFINISHED = 1.05  # ratio to the least error, from which on a search has ended too early
@@ -73,7 +73,7 @@ class Judgement:
     noise_bound: float
     is_repeated: bool  # whether repeated curves show the noise
     causes: tuple[Cause, ...]  # one or two faults that explain the residual down to the noise
-    explained: float  # the residual over what is left if the causes are fitted too
+    explained: float  # the residual over the residual with the causes fitted too
     nrmse: float
     constant: float  # NRMSE of a constant torque
     unfinished: float  # error over the least error nearby; 1 for fits that end at the least one

@@ -1,10 +1,10 @@
 """The noise of a measured torque: white noise beside slow noise, estimated from a residual.
 
-A sensor's noise has two parts: one that is independent from sample to sample, and one that wanders
-(an AR(1) process). Their shares are known only from the residual of a fit, which the fit has made
-smaller. Restricted maximum likelihood (Patterson and Thompson 1971, Biometrika 58, 545) takes
-account of that. Since no single pair of numbers is certain, what follows from the noise is
-averaged over a grid of them, weighed by their likelihood.
+A sensor's noise has a white part, independent from sample to sample, and a slow part (an AR(1)
+process). Their shares are estimated from the residual of a fit by restricted maximum likelihood
+(Patterson and Thompson 1971, Biometrika 58, 545), because the fit has made the residual smaller.
+Since no pair of shares is certain, results are averaged over a grid of pairs, weighed by their
+likelihood.
 
 The noise of some sensors is in part proportional to the torque. A residual and its columns are then
 divided by the relative deviation of each sample, after which the noise is even.

@@ -1,4 +1,4 @@
-"""Mistakes of a recording that curves show before any fit, each with what was seen and where."""
+"""Mistakes of a recording that curves show before any fit, each with its place and numbers."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -17,7 +17,7 @@ USUAL_RATE = (1e-3, 30.0)  # rates of a branch [rad/s]; slower takes an hour, fa
 COARSE = 0.1  # largest distance between two samples, as a share of the range
 COUNTS = 100  # encoder counts over the range: fewer hide torques of 0.3 % of the peak
 REPEATED = 0.2  # share of samples that repeat the angle of the one before
-CLIPPED = 6  # length of a run of equal torques at the extreme, from which on it is no chance
+CLIPPED = 6  # least length of a run of equal torques at the extreme that is no chance
 SHUFFLED = 5.0  # samples over the way in ranges; fewer are in no order
 FEWEST = 20  # samples of a curve whose order can be judged
 PAUSE = 5.0  # ratio of a step of time to the usual one, where a turn may be missing

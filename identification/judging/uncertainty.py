@@ -27,7 +27,7 @@ from .noise import GRID, Noise, estimate_noise, uneven_noise
 from .sentences import sentence
 
 CONFIDENCE = 0.95
-FARTHEST = math.log(1e4)  # largest distance of the end of an interval; beyond, it has no end
+FARTHEST = math.log(1e4)  # largest distance of the end of an interval; a farther end is open
 NEAR = 1e-3  # distance from the least margin of the certificate, within which it binds
 DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not determine
 UNLIKELY = 1e-3  # weight of a noise that is left out
@@ -60,7 +60,7 @@ class Systematic:
 
     offset: Term | None  # of the torque sensor [N·m]
     damping: Term | None  # viscous torque per rate [N·m·s/rad]; None if the model has it
-    left_open: tuple[str, ...]  # what the curves leave open, as phrases
+    left_open: tuple[str, ...]  # errors that the curves leave open, as phrases
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,9 +87,9 @@ class Uncertainty:
             standard deviation; None where they do not limit it.
         left_open: Systematic errors that the curves do not limit, so that no sample has them, as
             phrases.
-        offset_open: Kinds of model that fit the curves with other offsets of the torque sensor as
-            well, such as those whose spring has a rest angle: that of the model if `offset` is
-            None, and in `Selection.uncertainty` those of its samples too.
+        offset_open: Kinds of model that fit the curves equally well with other offsets of the
+            torque sensor, such as models whose spring has a rest angle: the kind of the model if
+            `offset` is None, and in `Selection.uncertainty` kinds of its samples too.
         noise: Noise of the torque, for a curve of mean weight.
     """
 

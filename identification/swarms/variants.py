@@ -339,10 +339,10 @@ def options_of(name: str) -> list[str]:
 def register_optimizer(name: str, minimize: Optimizer) -> None:
     """Makes an optimizer known to `identify`, as a method of `Search` and of the command line.
 
-    It is called as `minimize(objective, bounds, rng=generator, **options)`. The objective maps
-    positions (n, d) to values (n,), infinite where there is none, and bounds are d pairs. The
-    options are the further arguments of `minimize`. Trials run at once in threads, so that
-    `minimize` keeps nothing between calls.
+    `identify` calls `minimize(objective, bounds, rng=generator, **options)`. The objective maps
+    positions (n, d) to values (n,), infinite outside its domain, and bounds are d pairs. The
+    options are the further arguments of `minimize`. Trials run in parallel threads: `minimize` must
+    not keep anything between calls.
 
     Args:
         name: Name of the method.
