@@ -1,9 +1,8 @@
 """The methods of `identify`: the certified fit, searches by optimizers, and a fit of magnetics."""
 
 import inspect
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar, cast
 
 from ..checks import at_least
@@ -31,26 +30,15 @@ class Certified:
         options: Options of the model's fit, such as `budget`.
     """
 
+    name: ClassVar[str] = "certified"
+
     trials: int
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any]
 
     def __init__(self, *, trials: int = 1, **options: Any) -> None:
         at_least("trials", trials, 1)
         object.__setattr__(self, "trials", trials)
         object.__setattr__(self, "options", options)
-
-    @property
-    def name(self) -> str:
-        """Name of the method."""
-        return "certified"
-
-    def check(self, model: str) -> None:
-        """Refuses trials and options that the fit of a model would ignore."""
-        if self.trials > 1 and not is_seeded(model):
-            raise InputError(
-                f"trials is {self.trials}: the fit of {model!r} is made once; leave it out"
-            )
-        _check_options(self, list(inspect.signature(FITS[model]).parameters))
 
 
 @dataclass(frozen=True, init=False)
@@ -71,7 +59,7 @@ class Search:
     objective: Loss
     normalize: Normalize
     trials: int
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any]
 
     def __init__(
         self,
@@ -89,11 +77,6 @@ class Search:
         for key, value in (given | {"trials": trials, "options": options}).items():
             object.__setattr__(self, key, value)
 
-    def check(self, model: str) -> None:
-        """Refuses a model that a search cannot identify, and unknown options."""
-        _only_default(self.name, model)
-        _check_options(self, options_of(self.name))
-
 
 @dataclass(frozen=True, kw_only=True)
 class Magnetic:
@@ -108,13 +91,8 @@ class Magnetic:
 
     name: ClassVar[str] = "magnetic"
     trials: ClassVar[int] = len(magnetic.FORMS)
-    options: ClassVar[Mapping[str, Any]] = MappingProxyType({})
 
     budget: int = magnetic.BUDGET
-
-    def check(self, model: str) -> None:
-        """Refuses another model than Jiles-Atherton."""
-        _only_default(self.name, model)
 
 
 Method = Certified | Search | Magnetic
@@ -160,24 +138,31 @@ def check_together(
     """Refuses a method, a model, corrections and a beginning that do not go together."""
     if model not in FITS:
         raise unknown_name("model", model, FITS)
-    method.check(model)
-    if not isinstance(method, Certified):
-        fitted = corrections.beside
-        if isinstance(method, Magnetic):  # a search takes tare and softening of the certified fit
-            asked = {"tare": corrections.tare, "softening": corrections.softening}
-            fitted |= {name: "fit" for name, value in asked.items() if value == "fit"}
-        for name, value in fitted.items():
+    fitted: dict[str, Any] = {}  # corrections that only the certified fit finds
+    if isinstance(method, Certified):
+        if method.trials > 1 and not is_seeded(model):
             raise InputError(
-                f"{name} is {value!r}, which the method {method.name!r} does not fit: use the "
-                f"method 'certified', or leave {name} out"
+                f"trials is {method.trials}: the fit of {model!r} is made once; leave it out"
             )
+        _check_options(method, inspect.signature(FITS[model]).parameters)
+    elif model != DEFAULT_MODEL:
+        raise InputError(
+            f"method is {method.name!r}: model {model!r} has the method 'certified' only"
+        )
+    elif isinstance(method, Search):  # which takes tare and softening from the certified fit
+        _check_options(method, options_of(method.name))
+        fitted = corrections.beside
+    else:
+        asked = {"tare": corrections.tare, "softening": corrections.softening}
+        fitted = {name: "fit" for name, value in asked.items() if value == "fit"}
+        fitted = corrections.beside | fitted
+    for name, value in fitted.items():
+        raise InputError(
+            f"{name} is {value!r}, which the method {method.name!r} does not fit: use the method "
+            f"'certified', or leave {name} out"
+        )
     if model != DEFAULT_MODEL:
         check_beginning(initial_torque)
-
-
-def _only_default(name: str, model: str) -> None:
-    if model != DEFAULT_MODEL:
-        raise InputError(f"method is {name!r}: model {model!r} has the method 'certified' only")
 
 
 def check_beginning(initial_torque: InitialTorque | None) -> None:
@@ -189,7 +174,7 @@ def check_beginning(initial_torque: InitialTorque | None) -> None:
         )
 
 
-def _check_options(method: Method, names: list[str]) -> None:
+def _check_options(method: Certified | Search, names: Iterable[str]) -> None:
     known = [name for name in names if name not in SET_BY_IDENTIFY]
     for option in method.options:
         if option not in known:
