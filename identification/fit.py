@@ -57,8 +57,8 @@ class Fit:
         prediction_errors: The largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
             where the model meets its pole.
         trials: Every finished trial, by index.
-        curves: All measured curves, less the tare; without a fitted softening, which means with the
-            torques of the end of the measurement.
+        curves: All measured curves, less the tare. A fitted softening is removed: the torques are
+            those of the end of the measurement.
         fitted_curves: The curves that the fit used, thinned if they are long.
         remarks: Reasons to doubt the model; empty if there are none.
         interrupted: Whether Ctrl-C ended the fit before all trials, or models, were finished.

@@ -30,7 +30,7 @@ class Curve:
         torque: The resistance, positive against positive motion [N·m], shape (n,).
         name: A label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
-        weight: Weight of its squared errors in a fit, relative to the other curves, > 0.
+        weight: Weight of the curve's squared errors in a fit, relative to other curves, > 0.
         time: The time of each sample [s], shape (n,), strictly increasing; None if unknown.
     """
 
@@ -192,7 +192,7 @@ class Curves(list[Curve]):
         return self[0]
 
     def of(self, curves: Iterable[Curve], lines: Mapping[str, Lines] | None = None) -> "Curves":
-        """Returns other curves with the source of these; `lines` as their samples differ."""
+        """Returns curves made from these, of the same source, with the lines of their samples."""
         return Curves(
             curves, source=self.source, sha256=self.sha256, lines=lines, reading=self.reading
         )

@@ -24,7 +24,7 @@ SAMPLE_RATE = 25.0  # assumed rate [Hz] of samples, as of the simulated rig
 SHORTEST = 1.0  # assumed time of a branch [s], in which a motor speeds up and slows down
 LONGEST = 3600.0  # longest record of the simulated rig [s]
 MOST = 1_000_000  # largest number of samples
-GOLDEN = (math.sqrt(5) - 1) / 2  # golden ratio; any number of its multiples modulo 1 is even
+GOLDEN = (math.sqrt(5) - 1) / 2  # golden ratio, whose multiples modulo 1 spread evenly
 LEAST_TRAVEL = 0.1  # least share of the range between two reversals of a random motion
 
 

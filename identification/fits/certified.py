@@ -103,7 +103,7 @@ def certified_fit(
 
     The parameters are searched as log a, the certificate's steepness alpha (2c-1) Ms / (3a),
     log(c-1), log(k(c-1)) and log Ms. Models without a certificate, for all angles or at least for
-    those of the curves, are penalized, and never returned. Sobol points of the first four are
+    those of the curves, are penalized and never returned. Sobol points of the first four are
     screened; Ms follows from a projection, because the torque of a motion that begins without
     torque is linear in Ms at fixed (a, alpha Ms, c, k). Bounded least squares with exact
     derivatives starts from the best ones in turn, until the residual is the measurement's own noise

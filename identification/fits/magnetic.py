@@ -42,7 +42,6 @@ def magnetic_fit(
     """Fits one form of Jiles-Atherton, with the clamp of magnetics and 0 <= c < 1.
 
     The curves have the magnetization as torque, over the field as angle, which is in radians.
-    The curves have the magnetization as torque, over the field as angle, which is in radians.
     Bounded least squares starts from the best of some Sobol points in turn, until three runs agree:
     a form can be compared with others at its least error only, even below the noise. The result is
     no certified model.

@@ -81,7 +81,7 @@ class Constraints:
         return all(one.low <= one.value <= one.high for one in every)
 
     def ends(self, name: str) -> Ends:
-        """Returns the lowest and highest allowed value of a number; in a list, of weights[3]."""
+        """Returns the lowest and highest allowed value of a number, such as c or weights[3]."""
         for known in (name, name.partition("[")[0]):
             if known in self.fixed:
                 return float(self.fixed[known]), float(self.fixed[known])

@@ -105,7 +105,7 @@ def hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypo
 
 
 def _delayed(time: Array, torque: Array, lag: float) -> Array:
-    """Returns the torques of a lag [s] before, or after: beyond its ends a curve is straight."""
+    """Returns the torques a lag [s] earlier: constant before the curve, linear after it."""
     last = (torque[-1] - torque[-2]) / (time[-1] - time[-2])
     beyond = np.maximum(time - lag - time[-1], 0.0)
     return np.interp(time - lag, time, torque) + last * beyond
