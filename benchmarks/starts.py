@@ -40,7 +40,7 @@ def run_start(curves: Curves, joint: str, method: str, number: int) -> Start:
     rng = np.random.default_rng([zlib.crc32(f"{joint} {method}".encode()), number])
     if method == "certified":
         fit = certified_fit(curves, rng=rng)
-        return Start((joint, method, number), fit.nrmse, fit.evaluations, list(fit.history))
+        return Start((joint, method, number), fit.loss, fit.evaluations or 0, list(fit.history))
     objective = CurveObjective(curves)
     found = SWARMS[method](
         objective, LI_BOUNDS, rng=rng, swarm_size=SWARM_SIZE, max_iterations=ITERATIONS

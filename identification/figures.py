@@ -1,4 +1,4 @@
-"""Measured torque beside that of models, as figures and as columns."""
+"""Measured torque beside the torque of models, as figures and as columns."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -37,11 +37,10 @@ def compared(
     result: Fit | Selection | None = None,
     uncertainty: Uncertainty | None = None,
 ) -> list[Compared]:
-    """Returns measured curves beside a model.
+    """Returns measured curves beside a model; without a result, the curves alone.
 
-    The band is that over kinds of model where they were compared, else that of the parameters where
-    the model describes the curves and their uncertainty is given. Without a result there are the
-    curves alone.
+    The band is that over kinds of model if they were compared; otherwise that of the parameters if
+    the model describes the curves and their uncertainty is given.
     """
     found = []
     for role in ROLES:
@@ -80,7 +79,7 @@ def loop_rows(joint: str, curves: Sequence[Compared]) -> Iterator[list[str]]:
 
 
 def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float = 0.0) -> Plot:
-    """Returns the measured loops of a joint with the torque of each model, and what is left below.
+    """Returns the measured loops of a joint with the torque of each model, above the residuals.
 
     Fitted curves are on the left, predicted ones on the right. The same curves are beside each
     model, by its label; `tare` is the torque of the sensor that is taken off them [N·m].

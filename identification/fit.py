@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -26,15 +26,11 @@ from .methods import Magnetic, Method, Search
 
 ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
 MOST_NAMED = 3  # parameters in one remark
-OLD_NAMES = {
-    "diagnostics": "remarks",
-    **{name: f"select(curves).{name}" for name in ("why", "candidates", "ensemble", "band")},
-}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trial(Fitted):
-    """One independent run of a method, with all that `Fitted` has.
+    """One independent run of a method: a `Fitted` with its number and its NRMSE.
 
     Attributes:
         index: The number of the trial, which determines its random numbers.
@@ -50,10 +46,10 @@ class Fit:
     """A model identified from curves, with its verdict: result of `fit_curves`.
 
     Attributes:
-        model: The best trial's model; if it is safe at the fitted angles only, its torque is
+        model: The best trial's model; if the model is safe at the fitted angles only, its torque is
             constant outside them.
         model_name: The name of the model.
-        method: The name of the method that found it.
+        method: The name of the method that found the model.
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
         fitness: Eq. (7) of Li et al. 2022 on the fitted curves.
@@ -61,17 +57,16 @@ class Fit:
         prediction_errors: The largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
             where the model meets its pole.
         trials: Every finished trial, by index.
-        curves: The measured curves, those with role "predict" too, less the tare, and with the
-            torques that they would have had at the end of the measurement.
+        curves: All measured curves, less the tare. A fitted softening is removed: the torques are
+            those of the end of the measurement.
         fitted_curves: The curves that the fit used, thinned if they are long.
         remarks: Reasons to doubt the model; empty if there are none.
-        interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
+        interrupted: Whether Ctrl-C ended the fit before all trials, or models, were finished.
         fitted_start: Whether the initial torque was fitted too.
         coverage: Range, reversals, rates and cycles of the fitted curves.
         shortfalls: Requirements of the intended motions that the curves do not cover.
         tare: Offset of the torque sensor that was subtracted from the curves [N·m].
-        softening: Change of the torque over the cycles that was removed from the curves; None if
-            none was.
+        softening: Change of the torque over the cycles that was removed from the curves, if any.
         constraints: Parameters that the user fixed or bounded.
         judgement: Verdict on the model by its residual; None where the model meets its pole on the
             curves.
@@ -97,27 +92,20 @@ class Fit:
     softening: Softening | None = None
     constraints: Constraints = FREE
 
-    def __getattr__(self, name: str) -> Any:
-        if name in OLD_NAMES:
-            raise AttributeError(
-                f"{name!r} was a name of version 0.2: write {OLD_NAMES[name]!r} instead"
-            )
-        raise AttributeError(f"a fit has no attribute {name!r}")
-
     @property
     def evaluations(self) -> int | None:
-        """Model evaluations of all trials together; None where the fit does not count."""
+        """Model evaluations of all trials together; None if the fit does not count them."""
         counts = [trial.evaluations for trial in self.trials]
         return None if None in counts else sum(cast(list[int], counts))
 
     @property
     def agreed(self) -> int | None:
-        """How many starts of the best trial ended at its model; None where it has one start."""
+        """Number of starts from which the best trial found its model; None for a single start."""
         return self._best_trial.agreed
 
     @property
     def starts(self) -> int | None:
-        """How many starts the best trial took; None likewise."""
+        """Number of starts of the best trial; None for a single start."""
         return self._best_trial.starts
 
     @property
@@ -130,7 +118,7 @@ class Fit:
         return min(self.trials, key=lambda trial: (trial.loss, trial.index))
 
     def predict(self, curve: Curve) -> Array:
-        """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
+        """Returns the torque [N·m] along a curve, begun as in the fit; infinite at a pole."""
         return predicted(self.model, self.initial_torque, curve)
 
     @property
@@ -170,19 +158,10 @@ def judged_fit(
     interrupted: bool,
     memoryless: Remark | None = None,
 ) -> Fit:
-    """Returns the best of some trials with its errors, its verdict and all remarks.
+    """Returns the best of the finished trials with its errors, its verdict and all remarks.
 
-    Args:
-        curves: Curves after the corrections.
-        corrections: What was asked for.
-        model_name: Name of the model.
-        method: Method that found it, or a name for it.
-        trials: Finished trials.
-        needed: Coverage of the intended motions.
-        constraints: Parameters that the user fixed or bounded.
-        fitted_start: Whether the fit chose the torque with which the curves begin.
-        interrupted: Whether Ctrl-C ended it before all trials were done.
-        memoryless: Why no hysteresis model is needed; None if one is.
+    `fitted_start` is whether the fit chose the torque with which the curves begin, and `memoryless`
+    is a remark that no hysteresis model is needed.
     """
     measured = curves.family.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))

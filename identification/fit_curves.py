@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
-from ..errors import InputError, refuse_old_names, unknown_name
+from ..errors import InputError
 from ..hysteresis.jiles_atherton.model import PARAMETERS
 from ..published import LI_BOUNDS
 from .corrections.corrections import Corrected, Corrections, corrected
@@ -27,13 +27,6 @@ from .swarms.variants import OPTIMIZERS
 
 Result = TypeVar("Result")
 NONE = Corrections()
-OLD_NAMES = {
-    **{name: f"corrections=Corrections({name}=...)" for name in ("tare", "rate", "play")},
-    "softening": "corrections=Corrections(softening=...)",
-    **{name: f"method=Search(..., {name}=...)" for name in ("objective", "normalize")},
-    "trials": "method=Certified(trials=...)",
-    "budget": "method=Certified(budget=...)",
-}
 
 
 def run_threads(
@@ -41,15 +34,10 @@ def run_threads(
     workers: int,
     on_result: Callable[[Result], None] | None = None,
 ) -> tuple[list[Result], bool]:
-    """Makes all calls; returns the results in any order, and whether Ctrl-C ended it before.
+    """Makes all calls; returns the results in any order, and whether Ctrl-C ended the calls early.
 
-    Args:
-        calls: Functions that spend nearly all of their time in kernels that release the GIL.
-        workers: Number of threads; -1 uses all cores.
-        on_result: Function that gets each result as soon as it is known.
-
-    Raises:
-        KeyboardInterrupt: Nothing was finished by then.
+    The calls spend nearly all of their time in kernels that release the GIL. `on_result` gets each
+    result as soon as it is known. Ctrl-C before the first result raises KeyboardInterrupt.
     """
     finished: list[Result] = []
     parallel = Parallel(
@@ -80,14 +68,13 @@ def fit_curves(
     workers: int = -1,
     needed: Coverage | None = None,
     on_trial: Callable[[Trial], None] | None = None,
-    **old: Any,
 ) -> Fit:
     """Fits one hysteresis model to measured curves by one method.
 
     Trials are independent, run in parallel on all cores, and depend only on `seed` and their
     index: the result is the same for any number of workers. Ctrl-C keeps the finished trials.
-    An option that the method would ignore is refused. Of more than 50,000 samples to fit, `thinned`
-    picks those that the fit uses; a remark then says so, and errors are those of all samples.
+    Options that the method would ignore are refused. Of more than 50,000 samples to fit, `thinned`
+    picks the samples of the fit; a remark then says so, and errors are those of all samples.
 
     Args:
         curves: The measurements; those with role "predict" are kept out of the fit and tested.
@@ -95,30 +82,28 @@ def fit_curves(
             "prandtl-ishlinskii", "preisach", "hinged-stops", "dahl" or "duhem"; `select` chooses
             among them.
         method: `Certified`, `Search` or `Magnetic` with their options; or the name of a method with
-            its usual ones: "certified" (ours: least squares, can only return certified models); or,
-            for "jiles-atherton" only, one of those of `Search`, such as "sa-pso", or "magnetic"
+            its usual options: "certified" (ours: least squares that return certified models only);
+            or, for "jiles-atherton" only, a name of `Search`, such as "sa-pso", or "magnetic"
             (magnetization over a field, in the form that fits best; not certified).
-        corrections: What is taken off the curves, or fitted beside the model.
+        corrections: Corrections of the curves, and terms that are fitted beside the model.
         fixed: Parameters that keep a value, such as {"c": 1.2}. Names and units are those of the
             model that the method returns: angles of Jiles-Atherton are degrees, and radians with
-            the method "magnetic". "weights" means all weights, and "weights[3]" one of them. The
-            value is that at the pressure of the curves.
-        bounds: Lower and upper bound of parameters, such as {"k": (1, 50)}, in place of those of
-            the search; an infinite one is none.
+            the method "magnetic". "weights" means all weights, and "weights[3]" a single weight.
+            Values hold at the pressure of the curves.
+        bounds: Lower and upper bound of parameters, such as {"k": (1, 50)}, in place of the bounds
+            of the search; an infinite bound leaves the side open.
         initial_torque: The torque with which each Jiles-Atherton curve begins: a number [N·m], by
-            default 0 as in a first-order curve; "measured", its own first sample; or "identified",
-            one for all. The fits of the other models always identify it.
+            default 0 as in a first-order curve; "measured", the first sample of each curve; or
+            "identified", one torque for all curves. Fits of other models always identify it.
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
         needed: Coverage of the intended motions, as `motion_coverage` returns it; the verdict and
             the remarks then state where the curves fall short of it.
         on_trial: Function that gets each trial as it finishes, in any order.
-        **old: Names of version 0.2, which are refused with the new one.
 
     Returns:
         The best trial's model, its errors, and reasons to doubt it.
     """
-    refuse_unknown(old)
     method = method_of(method)
     check_together(method, model, corrections, initial_torque)
     constraints = Constraints(fixed or {}, bounds or {})
@@ -206,15 +191,9 @@ def prepared(
     seed: int,
     constraints: Constraints,
 ) -> Corrected:
-    """Returns corrected curves, all and those to fit.
+    """Returns corrected curves: all of them, and those to fit.
 
-    Args:
-        curves: The measurements.
-        model: Name of the model whose certified fit finds tare and softening.
-        corrections: What is taken off.
-        start: Torque at the beginning, as an option of that fit.
-        seed: Seed of its random numbers.
-        constraints: Parameters that are fixed or bounded.
+    Tare and softening are those of the certified fit of `model`, with the options `start`.
     """
     family = Curves(curves)
     _refuse_unusable(family.fitted())
@@ -228,14 +207,6 @@ def prepared(
         return fit_model(model, some, rng, constraints=constraints, **start, **corrections.beside)
 
     return corrected(family, corrections, fitted)
-
-
-def refuse_unknown(given: dict[str, Any]) -> None:
-    """Refuses names that are no options; those of version 0.2 with the new name."""
-    refuse_old_names(given, OLD_NAMES)
-    for name in given:
-        known = ("model", "method", "corrections", "fixed", "bounds", "initial_torque", "seed")
-        raise unknown_name("option", name, (*known, "workers", "needed"))
 
 
 def _refuse_unusable(measured: Curves) -> None:
@@ -253,7 +224,7 @@ def _refuse_unusable(measured: Curves) -> None:
 
 
 def refuse_weights(curves: Sequence[Curve]) -> None:
-    """Refuses curves of unlike weights, which most fits would ignore."""
+    """Refuses curves whose weights differ, for fits that ignore weights."""
     weights = [curve.weight for curve in curves]
     if min(weights) < max(weights):
         raise InputError(

@@ -6,12 +6,11 @@ from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError
-from .corrections.corrections import Corrections
-from .corrections.cycles import averaged_cycles, cycles_of
+from .corrections.corrections import Corrections, averaged_cycles, cycles_of
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import questions
-from .fit_curves import NONE, fit_curves, refuse_unknown
+from .fit_curves import NONE, fit_curves
 from .fits.objective import InitialTorque
 from .fits.registry import FITS
 from .judging.coverage import Coverage, any_motion, coverage, motion_coverage
@@ -22,12 +21,6 @@ from .selection import select
 
 AUTO, CERTIFIED = "auto", "certified"
 ANY = "any"
-REFUSED = {  # beside the method auto
-    "model": "method 'auto' chooses the model",
-    "objective": "method 'auto' always minimizes the NRMSE over the family",
-    "normalize": "method 'auto' always minimizes the NRMSE over the family",
-    "trials": "method 'auto' chooses once",
-}
 
 
 def identify(
@@ -48,35 +41,33 @@ def identify(
     seed: int = 0,
     workers: int = -1,
     on_step: Callable[[int, int], None] | None = None,
-    **old: Any,
 ) -> Identification:
     """Identifies a hysteresis model from measured curves, and judges it.
 
-    Cycles are averaged first where that is asked for. Then `fit_curves` fits a model by one method,
-    or `select` chooses the kind of model; Ctrl-C keeps what is finished.
+    First, cycles are averaged if `corrections` say so. Then `fit_curves` fits a model by one
+    method, or `select` chooses the kind of model. Ctrl-C keeps the finished trials or models.
 
     Args:
         curves: The measurements; those with role "predict" are kept out of the fit and tested.
         model: Name of the model, by default "jiles-atherton"; see `fit_curves`.
-        method: "auto" (`select`), or a method of `fit_curves`. By default "auto" for one record
-            that can be divided, where nothing else of the fit is given; otherwise "certified".
+        method: "auto" (`select`), or a method of `fit_curves`. The default is "auto" for a single
+            record with enough reversals, if no other option of the fit is given; otherwise
+            "certified".
         objective: Objective of a swarm or optimizer that is given by its name; see `Search`.
-        normalize: Torque that divides its errors; see `Search`.
-        trials: Number of independent runs of the method that is given by its name.
-        corrections: What is taken off the curves, or fitted beside the model.
+        normalize: Torque that divides the errors of this objective; see `Search`.
+        trials: Number of independent runs of a method that is given by its name.
+        corrections: Corrections of the curves, and terms that are fitted beside the model.
         fixed: Parameters that keep a value, such as {"c": 1.2}; see `fit_curves`.
         bounds: Lower and upper bound of parameters, such as {"k": (1, 50)}; likewise.
         initial_torque: The torque with which each curve begins; see `fit_curves`.
-        use: Name of what the model is for; "any" asks for any motion in the range of the curves.
+        use: Name of the use of the model; "any" means any motion in the range of the curves.
         intended: The motions of this use.
-        samples: Number of further models to draw that the curves allow too; 0 leaves the
+        samples: Number of further models, which the curves allow too, to draw; 0 leaves the
             uncertainty out.
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
-        on_step: Function that gets the number of finished trials or models, and that of all.
-        **old: Names of version 0.2, which are refused with the new one.
+        on_step: Function that gets the numbers of finished and of all trials or models.
     """
-    refuse_unknown(old)
     at_least("samples", samples, 0)
     family, notes = Curves(curves), []
     if corrections.average_cycles:
@@ -105,7 +96,10 @@ def identify(
     if method == AUTO:
         for name, value in given.items():
             if value is not None:
-                raise InputError(f"{name} is {value!r}: {REFUSED[name]}; leave one of them out")
+                raise InputError(
+                    f"{name} is {value!r}: method 'auto' chooses the model once, and minimizes the "
+                    "NRMSE over the family; leave one of them out"
+                )
         total = len(FITS) * (2 if used.tare == "fit" else 1)  # again without a tare that is open
         result = select(family, intended=intended, on_candidate=step, **common)
     else:
@@ -126,7 +120,7 @@ def identify(
 
 
 def _is_divisible(family: Curves) -> bool:
-    """Returns whether curves are one record, of which a part can be left out."""
+    """Returns whether curves are a single record, of which a part can be left out of a fit."""
     if len(family.fitted()) != 1:
         return False
     try:
@@ -137,7 +131,7 @@ def _is_divisible(family: Curves) -> bool:
 
 
 def _needed(family: Curves, use: str | None, intended: Sequence[Motion]) -> Coverage | None:
-    """Returns what the intended use needs of curves; None without a use."""
+    """Returns the coverage that the intended use needs; None without a use."""
     if use == ANY:
         return any_motion(coverage(family.fitted() or family))
     return motion_coverage(intended) if intended else None

@@ -1,13 +1,12 @@
-"""The methods of `identify`: the certified fit, searches by optimizers, and that of magnetics."""
+"""The methods of `identify`: the certified fit, searches by optimizers, and a fit of magnetics."""
 
 import inspect
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any, ClassVar, cast
 
 from ..checks import at_least
-from ..errors import InputError, refuse_old_names, unknown_name
+from ..errors import InputError, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
 from .corrections.corrections import Corrections
 from .fits import magnetic
@@ -16,42 +15,30 @@ from .fits.registry import FITS, is_seeded
 from .swarms.variants import OPTIMIZERS, options_of
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
-EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2
-CALLED = ("curves", "objective", "bounds", "callback")
-SET_BY_IDENTIFY = (*CALLED, "constraints", "rng", "initial_torque")
+SET_BY_IDENTIFY = (
+    *("curves", "objective", "bounds", "callback", "constraints", "rng", "initial_torque"),
+)
 TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
 
 @dataclass(frozen=True, init=False)
 class Certified:
-    """Least squares that can only return certified models (ours); every model has it.
+    """Least squares that return certified models only (ours), for every kind of model.
 
     Attributes:
         trials: Number of runs from different random numbers.
         options: Options of the model's fit, such as `budget`.
     """
 
+    name: ClassVar[str] = "certified"
+
     trials: int
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any]
 
     def __init__(self, *, trials: int = 1, **options: Any) -> None:
         at_least("trials", trials, 1)
         object.__setattr__(self, "trials", trials)
         object.__setattr__(self, "options", options)
-
-    @property
-    def name(self) -> str:
-        """Name of the method."""
-        return "certified"
-
-    def check(self, model: str) -> None:
-        """Refuses what the fit of a model would ignore."""
-        if self.trials > 1 and not is_seeded(model):
-            raise InputError(
-                f"trials is {self.trials}: the fit of {model!r} is made once; leave it out"
-            )
-        names = list(inspect.signature(FITS[model]).parameters)
-        _check_options(self, names)
 
 
 @dataclass(frozen=True, init=False)
@@ -61,7 +48,7 @@ class Search:
     Attributes:
         name: Swarm as published, "pso", "sa-pso", "mpso" or "rank-distance-mpso"; or the name of
             an optimizer that `register_optimizer` made known.
-        objective: Loss of `CurveObjective` that it minimizes.
+        objective: Loss of `CurveObjective` to minimize.
         normalize: Whether the objective divides errors by the largest torque of the "family" or of
             each "curve".
         trials: Number of runs from different random numbers.
@@ -72,7 +59,7 @@ class Search:
     objective: Loss
     normalize: Normalize
     trials: int
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any]
 
     def __init__(
         self,
@@ -85,15 +72,10 @@ class Search:
     ) -> None:
         at_least("trials", trials, 1)
         if name not in OPTIMIZERS:
-            raise _unknown_method(name, OPTIMIZERS)
+            raise unknown_name("method", name, OPTIMIZERS)
         given = {"name": name, "objective": objective, "normalize": normalize}
         for key, value in (given | {"trials": trials, "options": options}).items():
             object.__setattr__(self, key, value)
-
-    def check(self, model: str) -> None:
-        """Refuses a model that a search cannot identify, and unknown options."""
-        _only_default(self.name, model)
-        _check_options(self, options_of(self.name))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,29 +91,16 @@ class Magnetic:
 
     name: ClassVar[str] = "magnetic"
     trials: ClassVar[int] = len(magnetic.FORMS)
-    options: ClassVar[Mapping[str, Any]] = MappingProxyType({})
 
     budget: int = magnetic.BUDGET
-
-    def check(self, model: str) -> None:
-        """Refuses another model than Jiles-Atherton."""
-        _only_default(self.name, model)
 
 
 Method = Certified | Search | Magnetic
 
 
 def method_names() -> list[str]:
-    """Returns the names of the methods that there are, registered optimizers included."""
+    """Returns the names of all methods, registered optimizers included."""
     return ["certified", "magnetic", *OPTIMIZERS]
-
-
-def _unknown_method(name: str, known: Iterable[str]) -> InputError:
-    if name in EXAMPLES:
-        return InputError(
-            f"method {name!r} is an example since version 0.3: examples/optimizers.py registers it"
-        )
-    return unknown_name("method", name, known)
 
 
 def method_of(
@@ -141,13 +110,11 @@ def method_of(
     objective: str | None = None,
     normalize: str | None = None,
 ) -> Method:
-    """Returns a method from its name and plain values; None stands for one that is left out."""
+    """Returns a method from its name and plain values; None stands for a default value."""
     if isinstance(given, Method):
         return given
-    if given == "auto":
-        refuse_old_names([given], {"auto": "select(curves)"})
     if given not in method_names():
-        raise _unknown_method(given, method_names())
+        raise unknown_name("method", given, method_names())
     runs: dict[str, Any] = {} if trials is None else {"trials": trials}
     goal = {"objective": objective, "normalize": normalize}
     goal = {name: value for name, value in goal.items() if value is not None}
@@ -171,28 +138,31 @@ def check_together(
     """Refuses a method, a model, corrections and a beginning that do not go together."""
     if model not in FITS:
         raise unknown_name("model", model, FITS)
-    method.check(model)
-    if not isinstance(method, Certified):
-        for name, value in _fitted(method, corrections).items():
+    fitted: dict[str, Any] = {}  # corrections that only the certified fit finds
+    if isinstance(method, Certified):
+        if method.trials > 1 and not is_seeded(model):
             raise InputError(
-                f"{name} is {value!r}, which the method {method.name!r} does not fit: use the "
-                f"method 'certified', or leave {name} out"
+                f"trials is {method.trials}: the fit of {model!r} is made once; leave it out"
             )
+        _check_options(method, inspect.signature(FITS[model]).parameters)
+    elif model != DEFAULT_MODEL:
+        raise InputError(
+            f"method is {method.name!r}: model {model!r} has the method 'certified' only"
+        )
+    elif isinstance(method, Search):  # which takes tare and softening from the certified fit
+        _check_options(method, options_of(method.name))
+        fitted = corrections.beside
+    else:
+        asked = {"tare": corrections.tare, "softening": corrections.softening}
+        fitted = {name: "fit" for name, value in asked.items() if value == "fit"}
+        fitted = corrections.beside | fitted
+    for name, value in fitted.items():
+        raise InputError(
+            f"{name} is {value!r}, which the method {method.name!r} does not fit: use the method "
+            f"'certified', or leave {name} out"
+        )
     if model != DEFAULT_MODEL:
         check_beginning(initial_torque)
-
-
-def _fitted(method: Method, corrections: Corrections) -> dict[str, Any]:
-    """Returns the corrections that only the certified fit finds; a search takes some from it."""
-    if isinstance(method, Search):
-        return corrections.beside
-    asked = {"tare": corrections.tare, "softening": corrections.softening}
-    return corrections.beside | {name: "fit" for name, value in asked.items() if value == "fit"}
-
-
-def _only_default(name: str, model: str) -> None:
-    if model != DEFAULT_MODEL:
-        raise InputError(f"method is {name!r}: model {model!r} has the method 'certified' only")
 
 
 def check_beginning(initial_torque: InitialTorque | None) -> None:
@@ -204,7 +174,7 @@ def check_beginning(initial_torque: InitialTorque | None) -> None:
         )
 
 
-def _check_options(method: Method, names: list[str]) -> None:
+def _check_options(method: Certified | Search, names: Iterable[str]) -> None:
     known = [name for name in names if name not in SET_BY_IDENTIFY]
     for option in method.options:
         if option not in known:

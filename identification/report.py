@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..hysteresis.around import Wrapper
 from ..hysteresis.parameter_table import labeled, parameter_table
 from ..hysteresis.protocol import HysteresisModel
 from ..plots import Plot
@@ -17,6 +16,7 @@ from . import figures
 from .corrections.corrections import Corrections
 from .fit import Fit
 from .fit_curves import NONE
+from .fits.parameters import numbers_in
 from .judging.coverage import Coverage
 from .judging.sentences import DESCRIBES, NOT_BEYOND, SENTENCES, sentence
 from .judging.uncertainty import CONFIDENCE, Uncertainty, kind_of
@@ -85,10 +85,10 @@ def band_table(bands: Mapping[str, Mapping[str, Any]]) -> Rows:
 
 
 def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
-    """Returns what the band of an ensemble says along the curves kept out of its fit, by name.
+    """Returns the band of an ensemble along the curves kept out of its fit, by name.
 
-    The half width is the mean of that of the torque without noise; what was measured has noise, so
-    that it is compared with the band of measured torque. Without a band there is the reason why.
+    The half width is the mean for the torque without noise. The share inside counts measured
+    samples, which have noise, in the band of measured torque. Without a band there is the reason.
     """
     summaries: dict[str, dict[str, Any]] = {}
     if (found := selection.ensemble) is None:
@@ -109,8 +109,9 @@ def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
 def band_of(fit: Fit) -> dict[str, float] | None:
     """Returns the largest half width [N·m] of the torque's 95 % band along the fitted curves.
 
-    None without a verdict that the model holds beyond them: the band is that of its parameters, and
-    says nothing about a model of the wrong kind. Also None where a fit did not minimize squares.
+    The band follows from the parameters alone and assumes the right kind of model: it is None
+    unless the verdict is that the model holds, also beyond the curves, and None for fits that did
+    not minimize squares.
     """
     if fit.verdict != DESCRIBES:
         return None
@@ -126,28 +127,17 @@ def band_of(fit: Fit) -> dict[str, float] | None:
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
     """Returns one row per parameter: value, standard error and 95 % interval."""
     header = ["parameter", "value", "standard\nerror", "95 % interval"]
-    units = _units(fit.model) | {"initial_torque": "N·m"}
+    units = {one.name: one.unit for one in fit.parameters if one.unit} | {"initial_torque": "N·m"}
     rows = []
     for i, name in enumerate(found.names):
         low, high = found.intervals[i]
         value, error = f"{found.values[i]:.5g}", f"{found.standard_errors[i]:.2g}"
-        rows.append([_labeled(name, units), value, error, f"{low:.5g} .. {high:.5g}"])
+        rows.append([labeled(name, units), value, error, f"{low:.5g} .. {high:.5g}"])
     known = [one for one in fit.parameters if one.state != "free"]
-    rows += [[_labeled(one.name, units), f"{one.value:.5g}", "", one.state] for one in known]
+    rows += [[labeled(one.name, units), f"{one.value:.5g}", "", one.state] for one in known]
     if len(rows) > MOST_ROWS:
         rows[MOST_ROWS:] = [[f"{len(rows) - MOST_ROWS} more in result.json", "", "", ""]]
     return header, rows
-
-
-def _labeled(name: str, units: Mapping[str, str]) -> str:
-    """Returns the name of a number with its unit, that of one in a list with its index."""
-    base, bracket, index = name.partition("[")
-    return labeled(base, units).replace(base, base + bracket + index, 1)
-
-
-def _units(model: HysteresisModel) -> dict[str, str]:
-    inner = _units(model.model) if isinstance(model, Wrapper) else {}
-    return {**inner, **model.units}
 
 
 def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
@@ -168,33 +158,9 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
     }
 
 
-def selection_summary(selection: Selection) -> dict[str, Any]:
-    """Returns what a selection has beside its fit, as plain values for JSON."""
-    members, alike = selection.ensemble, selection.agreement
-    return {
-        "why": selection.why,
-        "agreement": alike and _plain(alike, ("half_width", "tested", "sentence")),
-        "candidates": [
-            {**_plain(one, CANDIDATE), "failed": one.reason or None} for one in selection.candidates
-        ],
-        "ensemble": members and {**members.to_dict(), "bands": bands_of(selection)},
-    }
-
-
 def _plain(one: Any, names: Sequence[str]) -> dict[str, Any]:
     """Returns attributes by name."""
     return {name: getattr(one, name) for name in names}
-
-
-def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
-    """Returns the uncertainty of the parameters as plain values for JSON."""
-    return {
-        **_plain(found, UNCERTAIN),
-        "noise": found.noise.deviation,
-        "noise_correlation": found.noise.memory,
-        "offset": found.offset and found.offset._asdict(),
-        "samples": [sample.to_dict() for sample in found.samples],
-    }
 
 
 def trial_columns(fits: Mapping[str, Mapping[str, Fit]]) -> tuple[list[str], list[list[Any]]]:
@@ -205,7 +171,7 @@ def trial_columns(fits: Mapping[str, Mapping[str, Fit]]) -> tuple[list[str], lis
             "method": method,
             "trial": trial.index,
             **_plain(trial, TRIAL),
-            **dict(_numbers("", trial.model.to_dict())),
+            **{name: one for _, name, one in numbers_in((), "", trial.model.to_dict())},
         }
         for curves, methods in fits.items()
         for method, fit in methods.items()
@@ -215,18 +181,6 @@ def trial_columns(fits: Mapping[str, Mapping[str, Fit]]) -> tuple[list[str], lis
     return header, [[row.get(column) for column in header] for row in rows]
 
 
-def _numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
-    """Yields the numbers in a model's dictionary by name, those in lists as name[i]."""
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _numbers(key, item)
-    elif isinstance(value, (list, tuple)):
-        for i, item in enumerate(value):
-            yield from _numbers(f"{name}[{i}]", item)
-    elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield name, value
-
-
 @dataclass(frozen=True, kw_only=True)
 class Identification:
     """Result of `identify`: a judged model, with its tables, sentences, columns and figures.
@@ -234,11 +188,11 @@ class Identification:
     Attributes:
         result: The fit, or the selection of a kind of model with its fit.
         seed: Seed of the fit.
-        uncertainty: Uncertainty of the parameters; None if it was not asked for.
-        corrections: Corrections of the curves that were asked for.
-        use: What the model is for; None if that was not said.
-        needed: What this use needs of curves; None likewise.
-        notes: What was done to the curves, and why the method is this one, as sentences.
+        uncertainty: Uncertainty of the parameters; None without samples.
+        corrections: Requested corrections of the curves.
+        use: Name of the use of the model; None if none was given.
+        needed: Coverage of curves that this use needs; None without a use.
+        notes: Sentences on averaged cycles and on the choice of the method.
     """
 
     result: Fit | Selection
@@ -294,7 +248,7 @@ class Identification:
 
     @property
     def left_open(self) -> list[str]:
-        """What the curves leave open and no sample has, as phrases."""
+        """Effects that the curves leave open and that no sample has, as phrases."""
         kinds = [] if self.selection else ["left open kinds"]
         if (kind := f"left open {self.verdict}") in SENTENCES:
             kinds.append(kind)
@@ -312,14 +266,27 @@ class Identification:
         }
         summary = {**fit_summary(fit, self.seed), "coverage": coverage}
         summary["reading"] = fit.curves.reading
-        if self.selection:
-            summary |= selection_summary(self.selection)
-        if self.uncertainty:
-            summary["uncertainty"] = uncertainty_summary(self.uncertainty)
+        if (chosen := self.selection) is not None:
+            members, alike = chosen.ensemble, chosen.agreement
+            summary["why"] = chosen.why
+            summary["agreement"] = alike and _plain(alike, ("half_width", "tested", "sentence"))
+            summary["candidates"] = [
+                {**_plain(one, CANDIDATE), "failed": one.reason or None}
+                for one in chosen.candidates
+            ]
+            summary["ensemble"] = members and {**members.to_dict(), "bands": bands_of(chosen)}
+        if (found := self.uncertainty) is not None:
+            summary["uncertainty"] = {
+                **_plain(found, UNCERTAIN),
+                "noise": found.noise.deviation,
+                "noise_correlation": found.noise.memory,
+                "offset": found.offset and found.offset._asdict(),
+                "samples": [sample.to_dict() for sample in found.samples],
+            }
         return summary
 
     def tables(self) -> dict[str, Rows]:
-        """Returns tables by title, beginning with that of the models it was chosen from."""
+        """Returns tables by title; the first one compares the candidates of a selection."""
         fit, found, tables = self.fit, self.uncertainty, {}
         name = fit.curves.source
         if self.selection:
@@ -351,7 +318,7 @@ class Identification:
         return tables
 
     def sentences(self) -> list[str]:
-        """Returns the verdict, and what else there is to say, the most important first."""
+        """Returns all sentences of the result, the most important first."""
         fit, found, said = self.fit, self.uncertainty, [*self.notes]
         for one in fit.remarks:
             if one.code == "open":
@@ -383,14 +350,14 @@ class Identification:
         return said
 
     def columns(self, joint: str) -> dict[str, tuple[Sequence[str], Iterable[Sequence[Any]]]]:
-        """Returns columns of CSV files by name: every trial, and the loops with their model."""
+        """Returns columns of CSV files by name: all trials, and the loops with their model."""
         return {
             "trials.csv": trial_columns({joint: {self.fit.method: self.fit}}),
             "loops.csv": (figures.COLUMNS, figures.loop_rows(joint, self._compared())),
         }
 
     def plots(self, joint: str) -> dict[str, Plot]:
-        """Returns figures by name: the loops, with what the model leaves of them."""
+        """Returns figures by name: the loops, and their difference from the model."""
         fit = self.fit
         return {"loops": figures.loops_plot(joint, {fit.model_name: self._compared()}, fit.tare)}
 
@@ -398,7 +365,7 @@ class Identification:
         return figures.compared(self.fit.curves, self.result, self.uncertainty)
 
     def _verdict(self) -> str:
-        """Returns the verdict, and what the curves lack where no motion is intended."""
+        """Returns the verdict; without an intended motion, also which loops and rates lack."""
         fit = self.fit
         if self.use or fit.verdict != NOT_BEYOND or fit.coverage is None:
             return sentence("verdict", verdict=fit.verdict)
@@ -409,7 +376,7 @@ class Identification:
         return sentence("verdict beyond", verdict=fit.verdict, **values)
 
     def _open_offset(self) -> Iterator[str]:
-        """Yields that the curves do not determine the sensor's offset, where none is given."""
+        """Yields a sentence if no tare is given and the curves do not determine it."""
         fit = self.fit
         squares = fit.method in SQUARES and fit.judgement is not None
         if self.corrections.tare != 0 or not squares:

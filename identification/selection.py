@@ -1,4 +1,4 @@
-"""`select`: the kind of model that predicts best, and a band over those that are nearly as good."""
+"""`select`: the kind of model that predicts best, and a band over all nearly as good kinds."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,21 +11,12 @@ from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, unknown_name
-from .corrections.corrections import Corrections
-from .corrections.tare import is_open
+from .corrections.corrections import Corrections, is_open
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import Question, questions
 from .fit import Fit, judged_fit
-from .fit_curves import (
-    NONE,
-    Trial,
-    fits_start,
-    prepared,
-    refuse_unknown,
-    refuse_weights,
-    run_threads,
-)
+from .fit_curves import NONE, Trial, fits_start, prepared, refuse_weights, run_threads
 from .fits.objective import InitialTorque, nrmse, predicted, torque_errors
 from .fits.parameters import FREE, Constraints, parameter_limits, parameters_of
 from .fits.registry import FITS, Fitted, fit_model
@@ -47,7 +38,7 @@ from .methods import DEFAULT_MODEL, check_beginning
 
 WORTH_IT = 0.95  # ratio to the error without memory: a smaller improvement may be chance
 AS_GOOD = 1.1  # ratio to the best score up to which the model with fewest parameters is chosen
-# Jiles-Atherton, and the same beside a polynomial, whose constant says nothing of the offset.
+# No rivals: Jiles-Atherton, and the same beside a polynomial, whose constant takes any offset.
 ITS_OWN = (DEFAULT_MODEL, "asymmetric")
 
 
@@ -74,12 +65,13 @@ def _candidate(
         found = fitted(curves)
         on_fit = torque_errors(found.model, found.initial_torque, curves)
     except InputError as error:
-        return Candidate(name=name, reason=str(error))
+        return Candidate(name=name, model=None, reason=str(error))
     known = sum(one.state != "free" for one in parameters_of(found.model, constraints))
     return Candidate(
         name=name,
         model=found.model,
         initial_torque=found.initial_torque,
+        fitted_start=fits_start(name, options.get("initial_torque")),
         parameters=found.model.free_parameters - known,
         prediction_nrmse=nrmse(np.concatenate(errors), curves),
         prediction_errors=np.concatenate(errors),
@@ -94,11 +86,11 @@ class Selection:
     Attributes:
         fit: Certified fit of the chosen model to all curves.
         candidates: All models that were tried, the best prediction first.
-        ensemble: Candidates that predict left-out curves nearly as well as the best, of which
-            `band` is made; None where all meet a pole.
+        ensemble: Candidates that predict left-out curves nearly as well as the best, from which
+            `band` follows; None if all meet a pole.
         agreement: How far these differ on the intended motions; None without such motions.
-        is_beyond: Whether predictions reach beyond the angles of the fits, as they do of a record
-            whose every cycle is larger than those before.
+        is_beyond: Whether predictions reach beyond the angles of the fits, as for a record whose
+            every cycle is larger than the cycles before.
     """
 
     fit: Fit
@@ -128,7 +120,7 @@ class Selection:
     def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
         """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
 
-        The band of `Fit.uncertainty` is valid if the kind of model is right; this one also covers
+        The band of `Fit.uncertainty` is valid if the kind of model is right; this band also covers
         the differences between kinds of model that the curves allow, see `Ensemble.band`.
 
         Args:
@@ -150,12 +142,7 @@ class Selection:
             return self.fit.uncertainty(samples=samples, seed=seed)
         found, fit = self.fit.uncertainty(seed=seed), self.fit
         members = drawn(
-            self.ensemble,
-            fit.fitted_curves,
-            fit.initial_torque,
-            samples,
-            seed,
-            fit.constraints,
+            self.ensemble, fit.fitted_curves, fit.initial_torque, samples, seed, fit.constraints
         )
         rivals = (name for one in members for name in one.offset_open if name not in ITS_OWN)
         return replace(
@@ -178,31 +165,28 @@ def select(
     needed: Coverage | None = None,
     intended: Sequence[Motion] = (),
     on_candidate: Callable[[Candidate], None] | None = None,
-    **old: Any,
 ) -> Selection:
-    """Selects the simplest model that predicts well the curves left out of its certified fit.
+    """Selects the simplest model that predicts curves well which were left out of its fit.
 
-    Every model is fitted to all curves but one, or to a part of a long record, and predicts the
-    rest, for each in turn. Ctrl-C keeps the finished models.
+    Every kind of model is fitted to all curves but one, which the fit predicts, for each curve in
+    turn; of a single record, to a first part. Ctrl-C keeps the finished models.
 
     Args:
         curves: The measurements; those with role "predict" are kept out and tested.
-        corrections: What is taken off the curves, or fitted beside the models; tare and softening
-            are those of Jiles-Atherton. A fitted tare that a model as good leaves open is not taken
-            off: the models are fitted again without one, and the first remark of the fit says so.
-        fixed: Parameters that keep a value, see `fit_curves`; models without one are not chosen.
-        bounds: Lower and upper bound of parameters, likewise.
+        corrections: Corrections of the curves, and terms that are fitted beside the models; tare
+            and softening are those of Jiles-Atherton. If an equally good model fits with any tare,
+            the models are fitted again without a tare, and the first remark of the fit says so.
+        fixed: Parameters that keep a value, see `fit_curves`; models without them are not chosen.
+        bounds: Lower and upper bound of parameters, see `fit_curves`.
         initial_torque: The torque with which the curves begin, as in `fit_curves`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
         workers: The number of threads, which share the models; -1 uses all cores.
-        needed: Coverage of the intended motions, see `fit_curves`; by default that of `intended`.
-        intended: Intended motions, on which the kinds of model are compared: the verdict extends to
-            loops that the curves do not have if a tested band is narrow there.
-        on_candidate: Function that gets each model as soon as it was tried.
-        **old: Names of version 0.2, which are refused with the new one.
+        needed: Coverage of the intended motions, see `fit_curves`; by default of `intended`.
+        intended: Intended motions, on which the kinds of model are compared: if a tested band is
+            narrow there, the verdict extends to loops that the curves do not have.
+        on_candidate: Function that gets every finished `Candidate`, in any order.
     """
-    refuse_unknown(old)
     check_beginning(initial_torque)
     check_seed(seed)
     check_workers(workers)
@@ -256,20 +240,13 @@ def select(
         [trial],
         needed,
         constraints=constraints,
-        fitted_start=fits_start(chosen.name, initial_torque),
+        fitted_start=chosen.fitted_start,
         interrupted=interrupted,
         memoryless=_memoryless(chosen, predictions(asked, measured)),
     )
     members = alike = None
     if fit.judgement is not None:
-        members = ensemble(
-            tried,
-            measured,
-            fit.judgement.noise,
-            seed=seed,
-            options=ways,
-            fitted_start=lambda name: fits_start(name, initial_torque),
-        )
+        members = ensemble(tried, measured, fit.judgement.noise, seed=seed, options=ways)
     if members is not None and intended:
         alike = agreement(members, intended, measured.peak)
         fit = _weighed(fit, alike)
@@ -283,7 +260,7 @@ def select(
 
 
 def _memoryless(chosen: Candidate, baselines: Mapping[str, float]) -> Remark | None:
-    """Returns a remark where no hysteresis model is needed for such predictions."""
+    """Returns a remark if a model without memory predicts about as well."""
     name = min(baselines, key=lambda one: baselines[one], default="")
     own = chosen.prediction_nrmse
     if not name or own < WORTH_IT * baselines[name]:
@@ -293,7 +270,7 @@ def _memoryless(chosen: Candidate, baselines: Mapping[str, float]) -> Remark | N
 
 
 def _refuse_unknown_parameters(constraints: Constraints, corrections: Corrections) -> None:
-    """Refuses names that no model has; models without one of them are left out."""
+    """Refuses names of parameters that no kind of model has."""
     known = {
         name for kind in FITS for name in parameter_limits(kind, corrections.beside, "certified")
     }
@@ -305,9 +282,9 @@ def _refuse_unknown_parameters(constraints: Constraints, corrections: Correction
 def _open_offset(
     tried: Sequence[Candidate], curves: Curves, seed: int, options: Mapping[str, dict[str, Any]]
 ) -> str | None:
-    """Returns a model as good as Jiles-Atherton that fits with any offset; None without one.
+    """Returns the name of an equally good model that fits with any offset; None without one.
 
-    The candidates are fitted to these curves, less the offset that Jiles-Atherton finds.
+    The curves are those without the offset that Jiles-Atherton finds.
     """
     for rival in as_good(tried):
         if rival.name in ITS_OWN:

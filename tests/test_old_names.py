@@ -47,14 +47,6 @@ def test_the_old_class():
         from activesuit.hysteresis import Held  # noqa: F401
 
 
-@pytest.mark.parametrize("old", ["why", "candidates", "ensemble", "band", "diagnostics"])
-def test_old_attributes_of_a_fit(old):
-    found = identify(load_curves(curves_path("elbow")))
+def test_identify_returned_a_fit():
     with pytest.raises(AttributeError, match=r"write identify\(\.\.\.\)\.fit\.nrmse"):
-        _ = found.nrmse
-    fit = found.fit
-    new = "remarks" if old == "diagnostics" else f"select(curves).{old}"
-    with pytest.raises(AttributeError) as error:
-        getattr(fit, old)
-    assert str(error.value) == f"{old!r} was a name of version 0.2: write {new!r} instead"
-    assert not hasattr(fit, "anything")
+        _ = identify(load_curves(curves_path("elbow"))).nrmse

@@ -30,9 +30,9 @@ UNSETTLED = 0.2  # share of the change that may remain at the end of the curves
 
 
 class Softening(NamedTuple):
-    """How the torque changes over cycles, relative to that at the end of the curves.
+    """How the torque changes over cycles, relative to the torque at the end of the curves.
 
-    After n cycles it is steady + (first - steady) exp(-n / cycles) times that of the model.
+    After n cycles the torque is steady + (first - steady) exp(-n / cycles) times the model's.
     """
 
     first: float  # torque of the first cycle
@@ -41,7 +41,7 @@ class Softening(NamedTuple):
     measured: float  # number of cycles of the curves
 
     def factor(self, cycles: Array) -> Array:
-        """Returns the torque after some cycles over that of the model."""
+        """Returns the torque after some cycles, over the torque of the model."""
         return self.steady + (self.first - self.steady) * np.exp(-cycles / self.cycles)
 
     @property
@@ -67,7 +67,7 @@ class Count:
 
 
 def without_change(curves: Curves, softening: Softening, count: Count) -> Curves:
-    """Returns curves with the torques that they would have had at the end of the measurement."""
+    """Returns curves with the torques of the end of the measurement."""
     rest = (
         replace(curve, torque=curve.torque / softening.factor(count(curve))) for curve in curves
     )
@@ -77,11 +77,11 @@ def without_change(curves: Curves, softening: Softening, count: Count) -> Curves
 def found_softening(
     curves: Curves, count: Count, fit: Callable[[Curves], Fitted]
 ) -> Softening | None:
-    """Returns how the torque changes over the cycles of curves; None where it does not.
+    """Returns how the torque changes over the cycles of curves; None without such a change.
 
     Two fits alternate: of the model to the torque without the change, and of the change beside the
     derivatives of the torque with respect to the model's parameters (variable projection, Golub and
-    Pereyra 1973). Its number of cycles is refined from the best one of a grid. A change that lowers
+    Pereyra 1973). The decay, in cycles, is refined from the best of a grid. A change that lowers
     the error by less than the cost of its two parameters (the Bayesian information criterion) does
     not count.
     """

@@ -40,9 +40,9 @@ class Column(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """Columns and units as a caller names them; the usual names and the header say the rest."""
+    """Columns and units that a caller names; others follow from usual names and the header."""
 
-    columns: Mapping[str, str]  # name in the header, or number from 1 on, by one of `COLUMNS`
+    columns: Mapping[str, str]  # name in the header or number from 1 on, by kind
     units: Mapping[str, str]  # by "angle", "torque" and "time"
 
     def check(self) -> None:
@@ -61,13 +61,13 @@ class Wanted(NamedTuple):
         return all(self.columns.get(one, "").isdecimal() for one in NEEDED)
 
     def is_header(self, cells: Cells) -> bool:
-        """Returns whether cells are names of columns, those of angle and torque among them."""
+        """Returns whether cells are names of columns, with an angle and a torque among them."""
         found = [_candidates(cells, one, self) for one in NEEDED]
         return all(found) and all(_candidates(cells, one, self) for one in self.columns)
 
 
 def columns_of(table: Table, wanted: Wanted) -> dict[str, Column]:
-    """Returns the columns of a table by what they are, at least those of angle and torque."""
+    """Returns the columns of a table by their kind; angle and torque always."""
     found = {}
     for kind in COLUMNS:
         places = _candidates(table.header, kind, wanted)
@@ -90,7 +90,7 @@ def columns_of(table: Table, wanted: Wanted) -> dict[str, Column]:
 
 
 def described(table: Table, columns: Mapping[str, Column]) -> Iterator[str]:
-    """Yields what was done to read a table, as phrases; none for a file as ours are."""
+    """Yields phrases on how a table was read; none for a file in the format of ActiveSuit."""
     yield from table.dialect
     names = {column.name for column in columns.values()}
     if not names <= {"angle_rad", "angle_deg", "torque_nm", "time_s", *WORDS}:
@@ -125,7 +125,7 @@ def _candidates(header: Sequence[str], kind: str, wanted: Wanted) -> list[int]:
 
 
 def _readings(cell: str) -> Iterator[tuple[str, str]]:
-    """Yields a name in a header with its unit, in all ways in which it may be read."""
+    """Yields all pairs of name and unit that a cell of a header may mean."""
     plain = cell.casefold().lstrip("#% ")
     yield plain.replace("_", " "), ""
     for form in BEHIND:

@@ -18,7 +18,7 @@ Role = Literal["fit", "predict"]
 TORQUE_AT_MOST = 1e6  # N·m
 RETURNED = 0.05  # shortest way back that counts, as a share of the span
 ROUNDING = 1e-9  # angle [rad]: its product with the peak counts as no work
-SURELY = -3.0  # standard deviations that noise alone reaches in one of 700 cases
+SURELY = -3.0  # standard deviations; noise alone is below in 1 of 700 cases
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Curve:
         torque: The resistance, positive against positive motion [N·m], shape (n,).
         name: A label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
-        weight: How much its squared errors count beside those of the other curves, > 0.
+        weight: Weight of the curve's squared errors in a fit, relative to other curves, > 0.
         time: The time of each sample [s], shape (n,), strictly increasing; None if unknown.
     """
 
@@ -123,7 +123,7 @@ class Curves(list[Curve]):
             were made in Python.
         sha256: The hash of that file's bytes, or of the hashes of several; None if there is none.
         lines: Where each curve was read, by its name; empty if there is no file.
-        reading: How files were read that are unlike ours, a sentence for each.
+        reading: A sentence for each file in another format than ours, on how the file was read.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class Curves(list[Curve]):
         lines: Mapping[str, Lines] | None = None,
         reading: Sequence[str] = (),
     ) -> None:
-        """Makes the list; without a `source` it keeps that of other `Curves`."""
+        """Makes the list; without a `source`, the source of given `Curves` stays."""
         super().__init__(curves)
         if isinstance(curves, Curves) and not source:
             source, sha256, lines = curves.source, curves.sha256, curves.lines
@@ -164,7 +164,7 @@ class Curves(list[Curve]):
         return float(angle.min()), float(angle.max())
 
     def place(self, name: str, sample: int) -> str:
-        """Returns where a sample of a curve as it was read is, in words."""
+        """Returns the place of a sample of a curve in its file, in words."""
         if name in self.lines:
             where, several = self.lines[name], len({one.file for one in self.lines.values()}) > 1
             return f"line {where.numbers[sample]}{f' of {where.file}' if several else ''}"
@@ -192,7 +192,7 @@ class Curves(list[Curve]):
         return self[0]
 
     def of(self, curves: Iterable[Curve], lines: Mapping[str, Lines] | None = None) -> "Curves":
-        """Returns curves made from these, as of the same files; their samples have other lines."""
+        """Returns curves made from these, of the same source, with the lines of their samples."""
         return Curves(
             curves, source=self.source, sha256=self.sha256, lines=lines, reading=self.reading
         )
@@ -273,8 +273,8 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
 def refuse_driven(curves: Sequence[Curve]) -> None:
     """Refuses curves whose torque surely has the wrong sign.
 
-    Their loops give energy to the joint, and the torque falls where the angle rises. The first
-    alone is no mistake: a joint that begins far from rest gives back what it had stored.
+    Their loops give energy to the joint, and the torque falls where the angle rises. Loops that
+    give energy alone are no mistake: a joint that begins far from rest gives back stored energy.
     """
     whole = ("the loops of the curves give", curves)
     for which, some in (whole, *((f"curve {one.name!r} gives", [one]) for one in curves)):

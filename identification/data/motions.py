@@ -16,13 +16,15 @@ from ...hysteresis.protocol import finite_series
 from ...table_files import RADIANS_AT_MOST
 from .curves import Curve, Curves
 
-BRANCHES = 9  # number of branches on the way inwards, each a ninth of the range shorter
+# Branches of a nested motion from the ends of the range to its middle; each branch is shorter than
+# the branch before, by a ninth of the range.
+BRANCHES = 9
 MIN_RATE, MAX_RATE = 0.02, 0.5  # assumed rates [rad/s]: slow, and the fastest of the simulated rig
-SAMPLE_RATE = 25.0  # assumed rate [Hz], that of the simulated rig
+SAMPLE_RATE = 25.0  # assumed rate [Hz] of samples, as of the simulated rig
 SHORTEST = 1.0  # assumed time of a branch [s], in which a motor speeds up and slows down
 LONGEST = 3600.0  # longest record of the simulated rig [s]
 MOST = 1_000_000  # largest number of samples
-GOLDEN = (math.sqrt(5) - 1) / 2  # golden ratio; its multiples modulo 1 spread evenly, however many
+GOLDEN = (math.sqrt(5) - 1) / 2  # golden ratio, whose multiples modulo 1 spread evenly
 LEAST_TRAVEL = 0.1  # least share of the range between two reversals of a random motion
 
 
@@ -50,10 +52,10 @@ def nested_motion(
 ) -> Design:
     """Returns a record that reverses at all depths, each branch at another rate.
 
-    It begins at `start`, and its reversals approach the middle of the range from both ends, by a
-    ninth of the range each; then it goes straight back to where it began. Rates are spread evenly
-    in their logarithm, in an order that depends neither on depth nor on direction; a branch takes a
-    second at least, so that a motor can follow.
+    The record begins at `start`. Its reversals approach the middle of the range from both ends, by
+    a ninth of the range each; the last branch returns to `start`. The logarithms of the rates are
+    spread evenly, in an order that depends neither on depth nor on direction. A branch takes at
+    least a second, so that a motor can follow.
 
     Added to five first-order curves, it lowered the error on random motions in 42 of 60 fits to
     truths outside the models' classes; four more first-order curves lowered it in 29. Its shape was
@@ -61,7 +63,7 @@ def nested_motion(
     improve the fits (77 instead of 82 of 96 lower).
 
     Args:
-        start: Angle at which it begins and ends [rad], one end of the range.
+        start: First and last angle of the record [rad], one end of the range.
         end: The other end of the range [rad].
         min_rate: Rate of the slowest branch [rad/s].
         max_rate: Largest rate of a branch [rad/s].
@@ -208,8 +210,8 @@ def multi_order_motion(
 ) -> Array:
     """Returns a motion that reverses at random angles, so that curves of higher order are nested.
 
-    It begins upwards at `low`. Every branch ends at an angle that is uniform over what its
-    direction leaves of the range, at least 10 % of the range away.
+    The motion begins upwards at `low`. The end of each branch is uniform over the angles ahead in
+    the range, at least 10 % of the range away.
 
     Args:
         low: Smallest angle [rad].

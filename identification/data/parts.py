@@ -1,4 +1,4 @@
-"""Parts of curves: the samples of a long record that a fit uses, and what is left out of a fit."""
+"""Parts of curves: samples of a long record for a fit, and parts that are left out of a fit."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,16 +13,16 @@ from ...hysteresis.loops import estimate_dead_band, reversals
 from .curves import Curve, Curves
 
 FITTED = 50_000  # approximate number of samples of all curves of a fit together
-JUDGED = 5_000  # the same of a verdict: more take long and add little
+JUDGED = 5_000  # approximate number of samples of a verdict: more take long and add little
 DRAWN = 4_000  # approximate number of points of all curves of a panel together
 LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
-LEAST_TURNS = 3  # fewer in the last two thirds of a record ask nothing
+LEAST_TURNS = 3  # least number of reversals in the last two thirds of a record
 BLOCKS = 3  # largest number of parts of a record that are left out
 BEYOND = 0.01  # tolerated excursion of a part beyond the known range, over that range
 
 
 def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:
-    """Returns curves of about `most` samples in all: those given, unless they have more.
+    """Returns curves of about `most` samples in all: the given curves, unless they have more.
 
     Of each curve every n-th sample stays, with its two ends and its turning points; n is the number
     of samples over `most`, rounded up. Samples are left as they are, noise included.
@@ -88,7 +88,7 @@ class Question(NamedTuple):
 
     @property
     def beyond(self) -> bool:
-        """Whether the part has angles that the known curves have not reached."""
+        """Whether the asked part has angles outside the range of the known curves."""
         known = np.concatenate([one.angle for one in self.known])
         return not _covers(known, self.curve.angle[self.asked])
 
@@ -100,13 +100,13 @@ class Question(NamedTuple):
 def questions(curves: Sequence[Curve]) -> list[Question]:
     """Returns the parts of curves to leave out, one after the other.
 
-    Of several curves each is left out in turn, except the one that reaches farthest: no other curve
-    determines a model of many weights there, and the score of such an extrapolation would decide
-    against it, however well it predicts inside. Of one record the end is left out, from a reversal
-    on; the model runs through all samples before, so that its memory is right there, and the next
-    fit includes that part too (a rolling origin, Tashman 2000, Int. J. Forecasting 16(4)). Here too
-    the known part has reached all angles of the left-out one, unless each cycle of the record is
-    larger than those before, as in protocols of structural tests: then predictions reach beyond it.
+    Of several curves each is left out in turn, except the curve that reaches farthest: no other
+    curve determines a model of many weights there, and the error of such an extrapolation would
+    decide against a model that predicts well inside. Of one record the part after a reversal is
+    left out; the model runs through all samples before, so that its memory is right there, and the
+    next fit includes this part (a rolling origin, Tashman 2000, Int. J. Forecasting 16(4)). The
+    known part has reached all angles of the left-out part, unless each cycle of the record is
+    larger than the cycles before, as in structural tests: then predictions reach beyond.
     """
     if len(curves) > 1:
         reach = [float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves]

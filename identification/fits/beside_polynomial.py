@@ -1,4 +1,10 @@
-"""Models beside an elastic polynomial: Jiles-Atherton, Bouc-Wen, Dahl and Duhem."""
+"""Models beside an elastic polynomial: Jiles-Atherton, Bouc-Wen, Dahl and Duhem.
+
+The fits take the curves with role "fit", which all begin at one angle and with one torque, zero or
+not; the seed or generator of the Sobol scrambling; the degree of the polynomial, 1 to 5; and the
+largest number of evaluations of the model on all curves. `response(angle, initial_torque)` of the
+returned model predicts a curve.
+"""
 
 from collections.abc import Sequence
 
@@ -15,12 +21,12 @@ from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.polynomial import LARGEST_DEGREE
 from ..data.curves import Curve
 from .certified import missing_margin, shape_box, shortfall
-from .search import MARGIN, BesidePolynomial, Shapes, search_shapes
+from .search import MARGIN, BesidePolynomial, search_shapes
 
 SCREENED = 64
 BUDGET = 600  # evaluations of the model on all curves
 # Search box.
-YIELD = (0.003, 10.0)  # beta^(-1/n), the z where it yields, over the span of the angles
+YIELD = (0.003, 10.0)  # beta^(-1/n), the z of yielding, over the span of the angles
 BEND = (-0.99, 1.0)  # gamma / beta; at least -1 and at most 1 is dissipative
 SHARPNESS = (1.0, 20.0)  # n
 FEW_SCREENED = 8
@@ -36,17 +42,8 @@ def fit_asymmetric(
     and the polynomial, which follow from a projection with Ms > 0: exact, since M0 scales with Ms.
     The five are searched as in `certified_fit`, and M0 over the certificate's memory bound. A model
     or a beginning without a certificate, for all angles or at least for those of the curves, is
-    penalized, and never returned.
-
-    Args:
-        curves: First-order curves, which all begin at one angle and with one torque, zero or not;
-            those with role "fit" are used.
-        rng: Seed or generator of the Sobol scrambling.
-        degree: Degree of the polynomial, 1 to 5.
-
-    Returns:
-        The model; its Jiles-Atherton part has a constant torque outside the angles of the curves if
-        it is safe inside only. `response(angle, initial_torque)` predicts a curve.
+    penalized, and never returned. If the Jiles-Atherton part is safe inside the angles of the
+    curves only, its torque is constant outside.
     """
     if not 1 <= degree <= LARGEST_DEGREE:
         raise InputError(f"degree is {degree}: use 1 to {LARGEST_DEGREE}")
@@ -63,8 +60,11 @@ def fit_asymmetric(
         return found[0]
 
     box = np.append(low, -1.0), np.append(high, 1.0)
-    shapes = Shapes(beside, box, torque, lambda point: missing_margin(*_unit(point), start, inside))
-    search = search_shapes(shapes, screened=SCREENED, budget=BUDGET, rng=rng)
+
+    def lacking(point: Array) -> float:
+        return missing_margin(*_unit(point), start, inside)
+
+    search = search_shapes(beside, box, torque, lacking, screened=SCREENED, budget=BUDGET, rng=rng)
     if search.best is None:
         raise InputError(
             f"none of {search.evaluations} models tried on these curves is certified: check the "
@@ -95,26 +95,20 @@ def fit_bouc_wen(
     """Fits a dissipative Bouc-Wen model with A = 1 by variable projection.
 
     At fixed (beta, gamma, n) and z at the beginning, torque is linear in the elastic and the
-    hysteretic stiffness and in the elastic torque at the beginning, which is what the rest angle
+    hysteretic stiffness and in the elastic torque at the beginning, for which the rest angle
     stands for. Those three follow from a projection, with hysteretic > 0. The others are searched
     as log beta^(-1/n), gamma / beta, log n and z over its bound: bounded least squares from the
     best of some Sobol points, in a box whose models are all certified and dissipative.
-
-    Args:
-        curves: First-order curves, which all begin at one angle and with one torque, zero or not;
-            those with role "fit" are used.
-        rng: Seed or generator of the Sobol scrambling.
-        budget: Largest number of evaluations of the model on all curves.
-
-    Returns:
-        The model; `response(angle, initial_torque)` predicts a curve.
     """
     beside = BesidePolynomial(curves, degree=1)
     span = beside.high - beside.low
     ends = zip(YIELD, BEND, SHARPNESS, (-1.0, 1.0), strict=True)
     box = [(np.log(one * span), bend, np.log(n), start) for one, bend, n, start in ends]
-    shapes = Shapes(beside, box, lambda point: _memory(point, beside.curves))
-    search = search_shapes(shapes, screened=SCREENED, budget=budget, rng=rng)
+
+    def shape(point: Array) -> Array:
+        return _memory(point, beside.curves)
+
+    search = search_shapes(beside, box, shape, screened=SCREENED, budget=budget, rng=rng)
     assert search.best is not None  # all points are allowed
     z = _memory(search.best, beside.curves)
     offset, elastic = beside.polynomial(z)
@@ -158,16 +152,6 @@ def fit_dahl(
     at its two limits, each with a weight of at least 0, give all beginnings in between: weights and
     spring follow from non-negative least squares. The logarithm of the yield angle is searched,
     from the best of some Sobol points. Every such model is certified and dissipative.
-
-    Args:
-        curves: First-order curves, which all begin at one angle and with one torque, zero or not;
-            those with role "fit" are used.
-        rng: Seed or generator of the Sobol scrambling.
-        degree: Degree of the spring, 1 to 5.
-        budget: Largest number of evaluations of the model on all curves.
-
-    Returns:
-        The model; `response(angle, initial_torque)` predicts a curve.
     """
     spring, stiffness, (friction,) = _fit(curves, 1, rng, degree, budget)
     return Dahl(spring=spring, stiffness=stiffness, friction=friction)
@@ -179,17 +163,7 @@ def fit_duhem(
     degree: int = 3,
     budget: int = 400,
 ) -> Duhem:
-    """Fits a friction whose ways up and down are unlike, as `fit_dahl` with two yield angles.
-
-    Args:
-        curves: First-order curves, as `fit_dahl` takes them.
-        rng: Seed or generator of the Sobol scrambling.
-        degree: Degree of the spring, 1 to 5.
-        budget: Largest number of evaluations of the model on all curves.
-
-    Returns:
-        The model; `response(angle, initial_torque)` predicts a curve.
-    """
+    """Fits a friction whose ways up and down are unlike, as `fit_dahl` with two yield angles."""
     spring, stiffness, (up, down) = _fit(curves, 2, rng, degree, budget)
     return Duhem(spring=spring, stiffness=stiffness, friction_up=up, friction_down=down)
 
@@ -217,8 +191,7 @@ def _fit(
         return from_limits @ beside.weights(from_limits)
 
     box = np.log(np.outer(YIELD, np.full(ways, beside.high - beside.low)))
-    shapes = Shapes(beside, box, shape)
-    search = search_shapes(shapes, screened=FEW_SCREENED, budget=budget, rng=rng)
+    search = search_shapes(beside, box, shape, screened=FEW_SCREENED, budget=budget, rng=rng)
     assert search.best is not None  # all points are allowed
     stiffness = float(beside.weights(limits(search.best)).sum())
     frictions = stiffness * np.exp(search.best)

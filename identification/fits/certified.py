@@ -1,7 +1,6 @@
 """The certified fit of Jiles-Atherton: least squares with exact derivatives, of safe models."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_ra
 from ...hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves, noise_floor
-from .objective import CurveObjective, InitialTorque, torque_errors
+from .objective import CurveObjective, Fitted, InitialTorque, torque_errors
 from .parameters import FREE, Constraints
 from .search import MARGIN, PENALTY, REJECTED, Evaluation, Search, sobol_points
 
@@ -40,10 +39,10 @@ MOST = 1e9
 
 
 def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
-    """Returns the torque [N·m] with which a model that begins all curves fits them best.
+    """Returns the one initial torque [N·m] with which a model fits all curves best.
 
-    One measured sample would bring its whole noise into a prediction. Where the model's certificate
-    does not cover that beginning, it is the nearest that is covered.
+    The first sample of a curve would bring its whole noise into a prediction. If the certificate
+    does not cover the best initial torque, the nearest one that the certificate covers is returned.
     """
 
     def residual(torque: Array) -> Array:
@@ -92,42 +91,6 @@ def paper_model(parameters: ArrayLike) -> JilesAtherton:
     return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg", allow_active=c < 1)
 
 
-@dataclass(frozen=True, kw_only=True)
-class CertifiedFit:
-    """Result of `certified_fit`.
-
-    Attributes:
-        parameters: Ms, a, alpha, c, k in degrees, shape (5,).
-        initial_torque: The torque with which every curve begins [N·m]; or "measured": each begins
-            with its first sample.
-        safe_range: The range of angles [rad] outside which the torque must be constant for the
-            model to be certified; None if it is certified for all angles.
-        nrmse: Error sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, whose weights w have the
-            mean 1.
-        evaluations: How often the model was evaluated on all curves; a response with all its
-            derivatives counts as three.
-        agreed: How many runs from different starts ended at this optimum.
-        starts: How many runs there were; they end at the noise, or when five agree.
-        history: (evaluations, best NRMSE) whenever the best one improved.
-    """
-
-    parameters: Array
-    initial_torque: InitialTorque
-    safe_range: tuple[float, float] | None
-    nrmse: float
-    evaluations: int
-    agreed: int
-    starts: int
-    history: tuple[tuple[int, float], ...]
-
-    @property
-    def model(self) -> JilesAtherton | Clipped:
-        """The certified model; if safe at the fitted angles only, with constant torque outside."""
-        Ms, a, alpha, c, k = self.parameters.tolist()
-        inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
-        return Clipped(model=inner, angle_range=self.safe_range) if self.safe_range else inner
-
-
 def certified_fit(
     curves: Sequence[Curve],
     *,
@@ -135,32 +98,36 @@ def certified_fit(
     budget: int = BUDGET,
     initial_torque: InitialTorque = 0.0,
     constraints: Constraints = FREE,
-) -> CertifiedFit:
+) -> Fitted:
     """Fits a Jiles-Atherton model that no motion can drive into its pole.
 
     The parameters are searched as log a, the certificate's steepness alpha (2c-1) Ms / (3a),
-    log(c-1), log(k(c-1)) and log Ms. What lacks a certificate, for all angles or at least for those
-    of the curves, is penalized, and never returned. Sobol points of the first four are screened;
-    Ms follows from a projection, because the torque of a motion that begins without torque is
-    linear in Ms at fixed (a, alpha Ms, c, k). Bounded least squares with exact derivatives starts
-    from the best ones in turn, until the residual is the measurement's own noise (estimated from
-    second differences of the torque), or the budget is spent: runs that agree may all be wrong.
+    log(c-1), log(k(c-1)) and log Ms. Models without a certificate, for all angles or at least for
+    those of the curves, are penalized and never returned. Sobol points of the first four are
+    screened; Ms follows from a projection, because the torque of a motion that begins without
+    torque is linear in Ms at fixed (a, alpha Ms, c, k). Bounded least squares with exact
+    derivatives starts from the best ones in turn, until the residual is the measurement's own noise
+    (estimated from second differences of the torque), or the budget is spent: runs that agree may
+    all be wrong.
 
     Args:
         curves: The measured curves.
         rng: Seed or generator of the Sobol scrambling.
         budget: Largest number of evaluations of the model on all curves.
-        initial_torque: The torque with which every curve begins [N·m]; "measured" takes each
-            curve's first sample, "identified" searches one for all.
-        constraints: Parameters that are fixed or bounded, angles in degrees. Where k or alpha is,
+        initial_torque: The torque with which every curve begins [N·m]; "measured" is each
+            curve's first sample, "identified" searches one torque for all curves.
+        constraints: Parameters that are fixed or bounded, angles in degrees. For such a k or alpha
             the search has log k or alpha in place of log(k(c-1)) or the steepness.
 
     Returns:
-        The best parameters found, their NRMSE and how many evaluations they took.
+        The certified model, with constant torque outside the angles of the curves if it is safe
+        inside only. `loss` is sqrt(mean(w (Tc - Tm)^2)) / max|Tm| with weights w of mean 1; a
+        response with all its derivatives counts as three evaluations; `history` has the pair
+        (evaluations, loss) of each improvement.
     """
     at_least("budget", budget, SCREENED * (2 if constraints else 1) + 1)
     problem = CertifiedProblem(curves, initial_torque, constraints)
-    search = problem.search(budget)
+    search = Search(problem, budget, exact=True)
     floor = noise_floor(curves) / problem.objective.peak
     search.run(problem.starts(search, rng), floor, AGREEING)
     return problem.result(search)
@@ -172,21 +139,21 @@ def refined(
     *,
     initial_torque: InitialTorque = 0.0,
     constraints: Constraints = FREE,
-) -> CertifiedFit:
-    """Does what `certified_fit` does, but from one start only, a row as `CurveObjective` takes."""
+) -> Fitted:
+    """Fits as `certified_fit` does, from one start: a row of parameters of `CurveObjective`."""
     problem = CertifiedProblem(curves, initial_torque, constraints)
-    search = problem.search(REFINED)
+    search = Search(problem, REFINED, exact=True)
     search.run([problem.point(row)])
     return problem.result(search)
 
 
 class CertifiedProblem:
-    """The errors of Jiles-Atherton models on curves, and what they lack to a certificate.
+    """The errors of Jiles-Atherton models on curves, and their missing margins.
 
-    A point has the five coordinates of `hysteresis.jiles_atherton.coordinates` and, if it is
-    identified, the initial torque over the peak; with alpha in place of the steepness and log k in
-    place of log(k(c-1)) where that parameter is fixed or bounded. A row is Ms, a, alpha, c, k in
-    degrees and, if it is identified, the initial torque.
+    A point has the five coordinates of `hysteresis.jiles_atherton.coordinates` and, if identified,
+    the initial torque over the peak. For a fixed or bounded alpha or k, the point has alpha in
+    place of the steepness, or log k in place of log(k(c-1)). A row is Ms, a, alpha, c, k in degrees
+    and, if identified, the initial torque.
     """
 
     def __init__(
@@ -219,14 +186,10 @@ class CertifiedProblem:
             ends = np.log(constraints.box("k", usual, 0.0))
             self.low[LOG_REACH], self.high[LOG_REACH] = ends
 
-    def search(self, budget: int) -> Search:
-        """Returns a search over this problem."""
-        return Search(self, budget, exact=True)
-
     def evaluate(self, point: Array) -> Evaluation:
         """Returns sqrt(w) (Tc - Tm) / max|Tm| along all curves, the missing margin, and the row."""
         size = point[4] - np.log(self.objective.peak)
-        if not np.log(LEAST) <= size <= np.log(MOST):  # a case of curves that drive the joint
+        if not np.log(LEAST) <= size <= np.log(MOST):  # curves that drive the joint lead here
             return Evaluation(np.full(self.objective.torque.size, REJECTED), 1.0, point)
         (row,) = self.rows(point[None])
         errors = (self.objective.responses(row)[0] - self.objective.torque) * self.scale
@@ -298,49 +261,40 @@ class CertifiedProblem:
         return np.clip(found, self.low, self.high)
 
     def missing_margin(self, row: Array, first: Array) -> float:
-        """Returns what is missing to a certificate with MARGIN, at best in the range."""
+        """Returns the margin that a row lacks, for all angles or in the range: the smaller one."""
         missing = missing_margin(row, first, self.first_angles, self.degrees)
         if not self.has_k:
             return missing
         short = self.least_reach - np.log(row[4] * (row[3] - 1))  # of a start without torque
         return max(missing, min(float(short) + MARGIN / 2, 1.0))
 
-    def result(self, search: Search) -> CertifiedFit:
-        """Returns what a search found.
-
-        Raises:
-            InputError: The search found no certified model.
-        """
+    def result(self, search: Search) -> Fitted:
+        """Returns the model that a search found, safe everywhere or in the angles of the curves."""
         if search.best is None:
             raise InputError(
                 f"none of {search.evaluations} models tried on these curves is certified: raise "
                 "the budget, or check the columns, the sign of the torque and the initial torque"
             )
-        first = self.objective.first_torques(search.best)
-        safe = shortfall(search.best, first, self.first_angles) <= MARGIN / 2
-        measured = self.objective.initial_torque == "measured"
-        return CertifiedFit(
-            parameters=search.best[:5],
-            initial_torque="measured" if measured else float(first[0]),
-            safe_range=None if safe else self.angle_range,
-            nrmse=search.score,
-            evaluations=search.evaluations,
-            agreed=search.agreed,
-            starts=search.starts,
-            history=tuple(search.history),
+        row, first = search.best[:5], self.objective.first_torques(search.best)
+        model: HysteresisModel = JilesAtherton(
+            **dict(zip(PARAMETERS, row.tolist(), strict=True)), angle_unit="deg"
         )
+        if shortfall(search.best, first, self.first_angles) > MARGIN / 2:
+            model = Clipped(model=model, angle_range=self.angle_range)
+        measured = self.objective.initial_torque == "measured"
+        start: InitialTorque = "measured" if measured else float(first[0])
+        counts = search.evaluations, search.agreed, search.starts
+        return Fitted(model, start, search.score, *counts, tuple(search.history))
 
 
 def missing_margin(
     row: Array, first: Array | float, angles: Array, inside: tuple[float, float]
 ) -> float:
-    """Returns what a model lacks to a certificate with MARGIN, at best in a range of angles.
+    """Returns the margin that a model lacks for all angles or in a range: the smaller one.
 
-    Args:
-        row: Ms, a, alpha, c, k in degrees; more numbers are left out.
-        first: Torque with which each curve begins [N·m].
-        angles: Angle at which each curve begins [deg].
-        inside: The range [deg].
+    The row is Ms, a, alpha, c, k in degrees (further numbers are ignored), `first` and `angles` are
+    the torque [N·m] and the angle [deg] at the beginning of each curve, and `inside` is the range
+    [deg].
     """
     missing = shortfall(row, first, angles)
     return missing and min(missing, shortfall(row, first, angles, inside))
@@ -349,7 +303,7 @@ def missing_margin(
 def shortfall(
     row: Array, first: Array | float, angles: Array, inside: tuple[float, float] | None = None
 ) -> float:
-    """Returns by how much the margin falls short; an unsafe start counts as MARGIN / 2."""
+    """Returns how much of MARGIN the certificate lacks; an unsafe start counts as MARGIN / 2."""
     Ms, a, alpha, c, k = row[:5].tolist()
     if inside is None:
         margin, bound = margin_everywhere(Ms, a, alpha, c, k)

@@ -31,15 +31,9 @@ def constrained_fit(
 ) -> Fitted:
     """Returns the best certified model of a kind whose parameters obey constraints.
 
-    All free parameters, and the torque at the beginning, are searched by bounded least squares from
-    the free fit and from points around it: the logarithms of those that are above a least value,
-    and the others over their size.
-
-    Args:
-        found: Fit without constraints, whose grids and degrees stay.
-        curves: Measured curves.
-        constraints: Parameters that are fixed or bounded.
-        rng: Seed or generator of the Sobol scrambling.
+    `found` is the fit without constraints; its grids and degrees stay. All free parameters, and the
+    torque at the beginning, are searched by bounded least squares from that fit and from points
+    around it: parameters above a least value by their logarithm, others over their size.
     """
     problem = _Constrained(found, Curves(curves).fitted(), constraints)
     free = int(np.count_nonzero(problem.low < problem.high))
@@ -97,20 +91,20 @@ class _Constrained:
         return with_values(self.content, numbers), values[-1]
 
     def evaluate(self, point: Array) -> Evaluation:
-        """Returns the relative errors of a point and the margin that its certificate lacks."""
+        """Returns the relative errors of a point and its missing margin."""
         rejected = np.full(sum(one.torque.size for one in self.curves), REJECTED)
         try:
             model, start = self.at(point)
             errors = torque_errors(model, start, self.curves) / self.peak
             lacking = self.lacking(model, start)
-        except InputError:  # no such model, or it cannot begin so
+        except InputError:  # no such model, or no such beginning
             return Evaluation(rejected, 1.0, point.copy())
         errors = np.where(np.isfinite(errors), errors, REJECTED)
         return Evaluation(errors, lacking, point.copy())
 
     def lacking(self, model: HysteresisModel, start: InitialTorque) -> float:
-        """Returns what a model lacks to a certificate with `MARGIN`, at best in the range."""
-        if isinstance(model, BoucWen):  # it is dissipative up to |gamma| = beta
+        """Returns the missing margin of a model, at all angles or in the range: the smaller one."""
+        if isinstance(model, BoucWen):  # dissipative up to |gamma| = beta
             return max(abs(model.gamma) / model.beta - 1 + MARGIN / 2, 0.0)
         model = self.safe(model)
         certificate = model.certificate()
@@ -120,7 +114,7 @@ class _Constrained:
         return min(max(MARGIN - certificate.margin, 0.0), 1.0)
 
     def safe(self, model: HysteresisModel) -> HysteresisModel:
-        """Returns a model with constant torque outside the curves, if only that is certified."""
+        """Returns the model, with constant torque outside the curves if certified only so."""
         if not isinstance(model, Asymmetric) or isinstance(model.model, Clipped):
             return model
         if model.certificate().margin >= MARGIN / 2:

@@ -1,7 +1,7 @@
 """Jiles-Atherton of magnetics: magnetization over a field, in the form that fits it best.
 
-A magnetization lags behind its field, so its loops run the other way round than those of a joint,
-and the models feed energy into a joint. None of them is certified.
+A magnetization lags behind its field, so its loops run the other way round than loops of a joint.
+Such models feed energy into a joint, and are never certified.
 """
 
 from collections.abc import Sequence
@@ -41,18 +41,10 @@ def magnetic_fit(
 ) -> Fitted:
     """Fits one form of Jiles-Atherton, with the clamp of magnetics and 0 <= c < 1.
 
+    The curves have the magnetization as torque, over the field as angle, which is in radians.
     Bounded least squares starts from the best of some Sobol points in turn, until three runs agree:
     a form can be compared with others at its least error only, even below the noise. The result is
     no certified model.
-
-    Args:
-        curves: Magnetization as torque, over the field as angle.
-        form: One of `FORMS`.
-        rng: Seed or generator of the Sobol scrambling.
-        budget: Largest number of evaluations of the model on all curves.
-        initial_torque: Magnetization with which every curve begins; "measured" is its first
-            sample, "identified" one for all.
-        constraints: Parameters that are fixed or bounded, angles in radians.
     """
     at_least("budget", budget, SCREENED + 1)
     _refuse_joints(curves)
@@ -78,9 +70,9 @@ def _refuse_joints(curves: Sequence[Curve]) -> None:
 class _Form:
     """Errors of one form over the search box.
 
-    A point is log Ms and log a over the largest magnetization and field, the steepness, c, log k
-    over that field, and the initial magnetization over the largest if that is identified. Where
-    alpha is fixed or bounded it is there in place of the steepness.
+    A point is log Ms and log a over the largest magnetization and field, the steepness (or a fixed
+    or bounded alpha in its place), c, log k over that field, and, if identified, the initial
+    magnetization over the largest one.
     """
 
     def __init__(
@@ -126,6 +118,6 @@ class _Form:
         return model, self.peak * float(point[5]) if found else self.initial_torque
 
     def evaluate(self, point: Array) -> Evaluation:
-        """Returns the relative errors of a point; none lacks a certificate that it would need."""
+        """Returns the relative errors of a point, without a missing margin: none is needed."""
         errors = torque_errors(*self.at(point), self.curves) / self.peak
         return Evaluation(np.where(np.isfinite(errors), errors, REJECTED), 0.0, point.copy())

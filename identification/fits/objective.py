@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Literal, cast, get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -117,7 +117,7 @@ class CurveObjective:
     def derivatives(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns the Jacobian of the torque for one parameter row, shape (samples, parameters).
 
-        It is not finite from the pole on.
+        Where a curve meets the pole, the Jacobian is not finite at that sample and all later ones.
         """
         torque = np.empty(self._angle.size)
         by_row = np.empty((torque.size, 6))
@@ -225,13 +225,10 @@ def nrmse(errors: Array, curves: Sequence[Curve]) -> float:
 
 
 def price(numbers: int, samples: int) -> float:
-    """Returns the factor by which additional parameters must reduce the error of a model.
+    """Returns the least ratio of the errors without and with additional parameters of a model.
 
-    That is the Bayesian information criterion for independent noise (Schwarz 1978).
-
-    Args:
-        numbers: Number of additional parameters.
-        samples: Number of samples that the model is fitted to.
+    Below this ratio the Bayesian information criterion for independent noise (Schwarz 1978) prefers
+    the model without the additional parameters. `numbers` counts them.
     """
     return float(samples ** (numbers / (2 * samples)))
 
@@ -245,13 +242,13 @@ class Fitted:
             is constant outside them.
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
-        loss: The objective that the fit minimized: the NRMSE, that of Jiles-Atherton with the
-            weights of the curves; or the one that was asked for.
-        evaluations: How often the model ran on all curves; None where the fit does not count.
-        agreed: How many runs from different starts of a certified fit ended at this model; None
-            where the fit has one start.
-        starts: How many runs there were; None likewise.
-        history: The smallest objective so far, as an optimizer tells it; per iteration of a swarm.
+        loss: The objective that the fit minimized: the NRMSE (of Jiles-Atherton with the weights of
+            the curves), or the objective of the `Search`.
+        evaluations: Number of runs of the model on all curves; None if the fit does not count them.
+        agreed: Number of starts from which the search ended at this model; None for a fit with one
+            start.
+        starts: Number of starts; None for a fit with one start.
+        history: Smallest objective after each iteration of an optimizer.
     """
 
     model: HysteresisModel
@@ -260,7 +257,7 @@ class Fitted:
     evaluations: int | None = None
     agreed: int | None = None
     starts: int | None = None
-    history: tuple[float, ...] = field(default=(), repr=False)
+    history: tuple[Any, ...] = field(default=(), repr=False)
 
 
 def scored(

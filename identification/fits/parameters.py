@@ -1,4 +1,4 @@
-"""The parameters of fits: name, unit, value and limits, and what the user fixes or bounds."""
+"""The parameters of fits: name, unit, value and limits, and the constraints of the user."""
 
 import copy
 import math
@@ -22,9 +22,9 @@ from ...hysteresis.registry import MODELS, model_from_dict
 Path = tuple[str | int, ...]
 Ends = tuple[float, float]
 EVERY: Ends = (-math.inf, math.inf)
-NEAR = 1e-3  # relative distance from its bound at which a parameter counts as being there
-INSIDE = 1e-3  # share of a bound at which a search begins whose usual box lies beyond it
-# Parameters that may be at the least value of their model; all other ones have to be above it.
+NEAR = 1e-3  # relative distance from a bound up to which a parameter counts as at the bound
+INSIDE = 1e-3  # share of a bound where a search begins if its usual box lies beyond the bound
+# Parameters that may equal their least value; all others are above theirs.
 REACHED = ("n", "gap", "damping", "relaxation_stiffness", "relaxation_time")
 LEAST_C = {"certified": {"c": 1.0}, "magnetic": {"c": 0.0}}  # by method
 MOST = {"n": LARGEST_POWER, "magnetic c": 0.999}
@@ -34,11 +34,8 @@ MOST = {"n": LARGEST_POWER, "magnetic c": 0.999}
 class Constraints:
     """Parameters that the user fixes or bounds, by name, in the units of the fitted model.
 
-    A name without an index, such as weights, means every number of that list.
-
-    Attributes:
-        fixed: Value of each fixed parameter.
-        bounds: Lower and upper bound of each bounded parameter; an infinite one is none.
+    A name without an index, such as weights, means every number of that list. An infinite bound
+    leaves its side open.
     """
 
     fixed: Mapping[str, float] = field(default_factory=dict)
@@ -84,11 +81,7 @@ class Constraints:
         return all(one.low <= one.value <= one.high for one in every)
 
     def ends(self, name: str) -> Ends:
-        """Returns the lowest and the highest value that are allowed; both are that of a fixed one.
-
-        Args:
-            name: Name of a parameter, that of a number in a list with its index.
-        """
+        """Returns the lowest and highest allowed value of a number, such as c or weights[3]."""
         for known in (name, name.partition("[")[0]):
             if known in self.fixed:
                 return float(self.fixed[known]), float(self.fixed[known])
@@ -109,12 +102,9 @@ class Constraints:
         return np.array([self.ends(name) for name in names]).T
 
     def box(self, name: str, usual: Ends, least: float = -math.inf) -> Ends:
-        """Returns the search box of a parameter: the user's bounds in place of the usual ones.
+        """Returns the search box of a parameter: the user's bounds in place of the usual ends.
 
-        Args:
-            name: Name of the parameter.
-            usual: Usual lower and upper end.
-            least: Value that the search cannot reach; a bound there leaves the usual end.
+        The search cannot reach `least`; a bound there leaves the usual end.
         """
         given_low, given_high = self.ends(name)
         low = given_low if given_low > least and given_low > -math.inf else usual[0]
@@ -128,12 +118,9 @@ class Constraints:
         return low, high
 
     def check(self, kind: str, beside: Mapping[str, str], method: str = "certified") -> None:
-        """Refuses names that a kind of model does not have, and values that it cannot have.
+        """Refuses parameters that a kind of model does not have, and values out of their range.
 
-        Args:
-            kind: Name of the model.
-            beside: What is fitted beside it: its rate and play, where these are asked for.
-            method: Name of the method.
+        `beside` has the rate and play that are fitted beside the model, if any.
         """
         if not self:
             return
@@ -159,26 +146,19 @@ FREE = Constraints()
 
 
 class Limits(NamedTuple):
-    """The numbers that a parameter of some model can be.
-
-    Attributes:
-        least: Least number.
-        most: Greatest number.
-        is_closed: Whether a model can have the least number itself.
-        is_list: Whether the parameter is a list of such numbers.
-    """
+    """The range of a parameter of some model."""
 
     least: float
     most: float
-    is_closed: bool
-    is_list: bool
+    is_closed: bool  # whether the least number itself is allowed
+    is_list: bool  # whether the parameter is a list of such numbers
 
     def __str__(self) -> str:
         upper = f" to {self.most:g}" if self.most < math.inf else ""
         return f"{'from' if self.is_closed else 'above'} {self.least:g}{upper}"
 
     def allows(self, low: float, high: float) -> bool:
-        """Returns whether a parameter can be fixed or bounded so; an infinite bound is none."""
+        """Returns whether a parameter can have these bounds, of which each may be infinite."""
         if low == high:
             return self.least < low <= self.most or (self.is_closed and low == self.least)
         begins = low == -math.inf or self.least <= low < self.most
@@ -209,25 +189,15 @@ def parameter_limits(kind: str, beside: Mapping[str, str], method: str) -> dict[
 
 
 class Parameter(NamedTuple):
-    """One parameter of a fitted model.
+    """One parameter of a fitted model."""
 
-    Attributes:
-        name: Name, that of a number in a list as weights[3].
-        unit: Unit; empty for a pure number.
-        value: Value of the fit.
-        least: Least value that the model can have; -inf where there is none.
-        low: Lower bound of the user; -inf where there is none.
-        high: Upper bound of the user, which is the lower one for a fixed parameter.
-        path: Keys that lead to it in the dictionary of the model.
-    """
-
-    name: str
-    unit: str
+    name: str  # a number in a list has its index: weights[3]
+    unit: str  # empty for a pure number
     value: float
-    least: float
-    low: float
-    high: float
-    path: Path
+    least: float  # least value of such models; -inf without one
+    low: float  # lower bound of the user; -inf without one
+    high: float  # upper bound of the user; equal to the lower one for a fixed parameter
+    path: Path  # keys of the value in the dictionary of the model
 
     @property
     def state(self) -> str:
@@ -255,15 +225,18 @@ def _parameters(path: Path, content: Any, constraints: Constraints) -> Iterator[
             yield from _parameters((*path, key), value, constraints)
             continue
         least, unit = model.least.get(key, -math.inf), model.units.get(key, "")
-        for place, name, one in _numbers((*path, key), key, value):
+        for place, name, one in numbers_in((*path, key), key, value):
             yield Parameter(name, unit, one, least, *constraints.ends(name), place)
 
 
-def _numbers(path: Path, name: str, value: Any) -> Iterator[tuple[Path, str, float]]:
-    """Yields path, name and value of a number, or of each in a list."""
-    if isinstance(value, list | tuple):
+def numbers_in(path: Path, name: str, value: Any) -> Iterator[tuple[Path, str, float]]:
+    """Yields path, name and value of all numbers in a value; in a list the name has the index."""
+    if isinstance(value, Mapping):
+        for key, one in value.items():
+            yield from numbers_in((*path, key), key, one)
+    elif isinstance(value, list | tuple):
         for i, one in enumerate(value):
-            yield from _numbers((*path, i), f"{name}[{i}]", one)
+            yield from numbers_in((*path, i), f"{name}[{i}]", one)
     elif isinstance(value, int | float) and not isinstance(value, bool):
         yield path, name, float(value)
 
@@ -282,13 +255,9 @@ def with_values(content: dict[str, Any], values: Mapping[Path, float]) -> Hyster
 def bounded_least_squares(
     columns: ArrayLike, target: Array, low: ArrayLike, high: ArrayLike
 ) -> tuple[Array, float]:
-    """Returns the x with the least |columns x - target| and low <= x <= high, and that norm.
+    """Returns the x (n,) with the least |columns x - target| and low <= x <= high, and that norm.
 
-    Args:
-        columns: Matrix, shape (rows, n).
-        target: Shape (rows,).
-        low: Lower bounds, shape (n,).
-        high: Upper bounds, shape (n,); a number with equal bounds is fixed.
+    Columns have the shape (rows, n), the target (rows,). A number with equal bounds is fixed.
     """
     columns, low, high = (np.asarray(one, dtype=np.float64) for one in (columns, low, high))
     x, free = low.copy(), low < high

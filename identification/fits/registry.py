@@ -1,9 +1,9 @@
-"""The certified fits by the name of their model, and what is fitted beside or before a model.
+"""The certified fits by the name of their model, and fits of rate and play with a model.
 
 A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
 the option `rng` if it depends on random numbers, and returns a model that is certified and
-dissipative, at least with constant torque outside the angles of the curves; or a result that has
-this `model`, and `initial_torque` [N·m], `nrmse` and `evaluations` as `Fitted` describes them.
+dissipative, at least with constant torque outside the angles of the curves; or a `Fitted` with this
+model.
 """
 
 import inspect
@@ -72,21 +72,15 @@ def fit_beside_rate(
     quick: Callable[[Sequence[Curve]], Fitted],
     constraints: Constraints = FREE,
 ) -> Fitted:
-    """Fits a hysteresis model and the rate-dependent elements beside it, in turn.
+    """Fits a hysteresis model and the rate-dependent elements beside it, in turn, to timed curves.
 
-    Each round fits the hysteresis model to the torque less that of the elements, and then solves
-    for the elements beside the derivatives of the torque with respect to the model's parameters, so
-    that torque that the model can describe as well does not count (variable projection, Golub and
-    Pereyra 1973). The relaxation time is refined from the best one of a grid. Dampings and
-    stiffnesses are at least 0; a Maxwell element that lowers the error by less than the cost of its
-    parameters (the Bayesian information criterion) is left out.
-
-    Args:
-        curves: Measured curves, with times.
-        rate: "viscous", a dashpot, or "relaxing", a Maxwell element beside it.
-        fit: Fit of the hysteresis model to curves, for the last round.
-        quick: The same with less effort, for the rounds before.
-        constraints: Parameters that are fixed or bounded, also those of the elements.
+    Each round fits the hysteresis model to the torque less that of the elements (by `quick`, with
+    less effort, in all rounds but the last), and then solves for the elements beside the
+    derivatives of the torque with respect to the model's parameters, so that torque that the model
+    can describe too does not count (variable projection, Golub and Pereyra 1973). The relaxation
+    time is refined from the best one of a grid. Dampings and stiffnesses are at least 0; a Maxwell
+    element that lowers the error by less than the cost of its parameters (the Bayesian information
+    criterion) is left out.
     """
     peak = max(float(np.abs(curve.torque).max()) for curve in curves)
     times = _times(curves) if rate == "relaxing" else np.empty(0)
@@ -168,7 +162,7 @@ def play_of(model: HysteresisModel) -> Play:
 
 
 def without_play(model: HysteresisModel) -> HysteresisModel:
-    """Returns the model behind the play, or the model itself where there is none."""
+    """Returns the model behind the play, or the model itself without play."""
     return model.model if isinstance(model, Backlash) else model
 
 
@@ -182,16 +176,11 @@ def fit_behind_play(
 
     For a given gap, the sign of the torque shows the face in contact, and so the angle of the
     suit's side, to which the model is fitted; where the torque is lost in the noise, the suit's
-    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the one for
-    which the model behind it is nearest to the torque: the best of a grid, refined by Brent's
-    bounded search. A gap that lowers the error by less than the cost of its parameter (the
-    Bayesian information criterion) does not count, and the model is returned without it.
-
-    Args:
-        curves: Measured curves.
-        fit: Fit of the hysteresis model to curves.
-        quick: The same with less effort, which suffices to compare gaps.
-        constraints: Parameters that are fixed or bounded, also the gap.
+    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the gap with
+    the least error of the model behind it: the best of a grid, refined by Brent's bounded
+    search. A gap that lowers the error by less than the cost of its parameter (the
+    Bayesian information criterion) does not count, and the model is returned without it. `quick` is
+    the fit with less effort, which compares gaps.
     """
     fixed, most = constraints.ends("gap")
     if fixed == most:
@@ -208,12 +197,8 @@ def fit_behind_play(
     grid = np.linspace(first, widest, GAPS)
     best = int(np.argmin([loss(float(gap)) for gap in grid]))
     near = grid[max(best - 1, 0)], grid[min(best + 1, GAPS - 1)]
-    minimize_scalar(
-        lambda gap: loss(float(gap)),
-        bounds=near,
-        method="bounded",
-        options={"xatol": CLOSE * widest},
-    )
+    fine: Any = {"xatol": CLOSE * widest}
+    minimize_scalar(lambda gap: loss(float(gap)), bounds=near, method="bounded", options=fine)
     gap = min(found, key=loss)
     chosen = _behind(curves, gap, fit)
     if first > 0:
@@ -233,7 +218,7 @@ def _behind(
     slow = fit([replace(one, angle=suit_angles(one, gap)) for one in curves])
     behind = Backlash(model=slow.model, gap=gap)
     starts: list[InitialTorque] = [slow.initial_torque]
-    # A start within the noise counts as one in the gap where that is nearer to the curves.
+    # A torque within the noise may mean a start inside the gap: the better start is taken.
     if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
         starts.append(0.0)
     return min((scored(behind, one, curves) for one in starts), key=lambda one: one.loss)
@@ -277,19 +262,10 @@ def fit_model(
     constraints: Constraints = FREE,
     **options: Any,
 ) -> Fitted:
-    """Fits the model `name` of `FITS` to curves.
+    """Fits the model `name` of `FITS` to curves, with rate and play if asked for.
 
-    A fit that returns a bare model has the torque at the beginning identified here.
-
-    Args:
-        name: The name of the model.
-        curves: The measured curves.
-        rng: The generator that a seeded fit uses.
-        rate: Elements that are fitted beside it: none ("none"), a dashpot ("viscous"), or a Maxwell
-            element too ("relaxing").
-        play: Whether a gap before it is fitted too ("fit"), or there is none ("none").
-        constraints: Parameters that are fixed or bounded.
-        **options: The options of the fit.
+    The torque at the beginning is identified here for fits that return a bare model. `rng` is for
+    seeded fits, and `options` are those of the fit.
     """
     takes = inspect.signature(FITS[name]).parameters
     less = {"budget": min(QUICK, options.get("budget", QUICK))} if "budget" in takes else {}
@@ -309,8 +285,7 @@ def fit_model(
         if constraints and not constraints.hold(found.model):
             return constrained_fit(found, curves, constraints, rng)
         return found
-    agreed, starts = (getattr(found, name, None) for name in ("agreed", "starts"))
-    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations, agreed, starts)
+    return replace(found, history=())  # pairs of a certified fit, which no user of trials expects
 
 
 def is_seeded(name: str) -> bool:

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, Protocol
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -15,16 +16,16 @@ from ...errors import InputError
 from ..data.curves import Curve, Curves, noise_floor, turns_back
 
 MARGIN = 0.01  # margin of the certificate that a fit keeps
-PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
+PENALTY = 10.0  # residual per missing margin: a margin of 0.01 weighs as 1 % noise in 100 samples
 AGREED = 1e-3  # relative difference of scores within which two runs found the same optimum
 REJECTED = 10.0  # residual in place of an infinite one
 STALLED = 1e-5  # relative change of cost or point that ends one least-squares run
 NOISE_MARGIN = 1.03  # ratio to the noise floor, below which a score is as good as the truth
-DIFFERENCE = 1e-5  # step of a derivative where nothing better is at hand
+DIFFERENCE = 1e-5  # step of a difference in place of a derivative
 DERIVATIVES_COST = 3  # model runs; a response with all its derivatives takes the time of 1.7 to 2.3
 AGREEING = 2  # runs that end at the same optimum, which ends the search
-LEAST_SCALE = 1e-9  # least scale of the hysteretic part, in place of one that would drive the joint
-FEWEST_BEYOND = 7  # least excess of angles over the degree, so that the fits are determined
+LEAST_SCALE = 1e-9  # least scale of the hysteretic part: a negative scale would drive the joint
+FEWEST_BEYOND = 7  # least number of different angles less the degree, to determine the fits
 SAME_START = 0.05  # largest distance of the beginnings of first-order curves, over the span
 
 
@@ -33,29 +34,13 @@ class Evaluation(NamedTuple):
 
     Attributes:
         errors: The relative errors of the torque, (samples,).
-        missing: The margin that is missing to a certificate with `MARGIN`.
-        answer: Value that the search stores if this is the best point.
+        missing: The part of `MARGIN` that the certificate lacks.
+        answer: Value that the search keeps if the point is the best one.
     """
 
     errors: Array
     missing: float
     answer: Array
-
-
-class Problem(Protocol):
-    """Problem of the search: the errors of a model over a box of coordinates.
-
-    One with exact derivatives has two more functions: `derivatives`, from a point to those of its
-    errors, (samples, coordinates), and `missing`, a cheap one from points (n, coordinates) to their
-    missing margins, (n,).
-    """
-
-    low: Array
-    high: Array
-
-    def evaluate(self, point: Array) -> Evaluation:
-        """Runs the model of a point on all curves."""
-        ...
 
 
 class BudgetSpent(Exception):
@@ -67,6 +52,17 @@ class Search:
 
     A point that lacks more than half of `MARGIN` is penalized, and never the best.
 
+    A problem has a box of coordinates, `low` and `high`, and `evaluate`, which runs the model of a
+    point on all curves. A problem with exact derivatives also has `derivatives`, from a point to
+    those of its errors, (samples, coordinates), and `missing`, from points (n, coordinates) to
+    their missing margins, (n,).
+
+    Args:
+        problem: Problem to minimize.
+        budget: Largest number of evaluations.
+        exact: Whether the problem has exact derivatives; otherwise differences are taken.
+        stalled: Relative change of cost or point that ends one least-squares run.
+
     Attributes:
         best: The answer of the best point so far; None before there is one.
         score: The root mean square of its errors.
@@ -75,23 +71,9 @@ class Search:
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        budget: int,
-        *,
-        exact: bool = False,
-        stalled: float = STALLED,
+        self, problem: Any, budget: int, *, exact: bool = False, stalled: float = STALLED
     ) -> None:
-        """Prepares a search.
-
-        Args:
-            problem: Problem to minimize.
-            budget: Largest number of evaluations.
-            exact: Whether the problem has exact derivatives; otherwise they are differences.
-            stalled: Relative change of cost or point that ends one least-squares run.
-        """
-        self.problem: Any = problem
-        self.budget, self.exact, self.stalled = budget, exact, stalled
+        self.problem, self.budget, self.exact, self.stalled = problem, budget, exact, stalled
         self.best: Array | None = None
         self.score, self.evaluations = np.inf, 0
         self._ends: list[float] = []
@@ -109,17 +91,13 @@ class Search:
         return sum(end <= (1 + AGREED) * best for end in self._ends)
 
     def spend(self, evaluations: int) -> None:
-        """Counts model runs.
-
-        Raises:
-            BudgetSpent: The budget does not allow them.
-        """
+        """Counts model runs; raises `BudgetSpent` if the budget does not allow them."""
         if self.evaluations + evaluations > self.budget:
             raise BudgetSpent
         self.evaluations += evaluations
 
     def keep(self, answer: Array, score: float, missing: float) -> None:
-        """Makes an answer the best so far, if it is and is certified."""
+        """Keeps an answer if it is certified and better than the best one so far."""
         if missing <= MARGIN / 2 and score < self.score:
             self.best, self.score = answer, score
             self.history.append((self.evaluations, score))
@@ -134,9 +112,9 @@ class Search:
 
         Args:
             starts: Points to begin at, the most promising one first.
-            floor: The noise; a score as low as this ends the search.
-            agreeing: Number of runs within 0.1 % of the best score that ends the search, as they
-                found the same optimum; 0 tries all starts.
+            floor: The noise; a score as low as the noise ends the search.
+            agreeing: Number of runs within 0.1 % of the best score, and so at the same optimum, at
+                which the search ends; 0 tries all starts.
         """
         try:
             for start in starts:
@@ -274,32 +252,6 @@ class BesidePolynomial:
         return values - self._basis @ (self._basis.T @ values)
 
 
-class Shapes:
-    """The errors of hysteretic torques of some shape beside the best polynomial.
-
-    Args:
-        beside: The curves, and the best polynomial on them.
-        box: Lower and upper bound of each coordinate, shape (2, coordinates).
-        shape: Function from a point to the hysteretic torque along all curves, (samples,).
-        missing: Function from a point to the missing margin; by default every point is certified.
-    """
-
-    def __init__(
-        self,
-        beside: BesidePolynomial,
-        box: ArrayLike,
-        shape: Callable[[Array], Array],
-        missing: Callable[[Array], float] = lambda _: 0.0,
-    ) -> None:
-        self.beside, self.shape, self.missing = beside, shape, missing
-        self.low, self.high = np.array(box, dtype=np.float64)
-
-    def evaluate(self, point: Array) -> Evaluation:
-        """Returns the errors of a point, with the projection done, and its missing margin."""
-        errors = self.beside.residual(self.shape(point))
-        return Evaluation(errors, self.missing(point), point.copy())
-
-
 def common_start(curves: Sequence[Curve]) -> float:
     """Returns the angle [rad] at which all curves begin."""
     starts = [float(curve.angle[0]) for curve in curves]
@@ -313,24 +265,38 @@ def common_start(curves: Sequence[Curve]) -> float:
 
 
 def search_shapes(
-    problem: Shapes,
+    beside: BesidePolynomial,
+    box: ArrayLike,
+    shape: Callable[[Array], Array],
+    missing: Callable[[Array], float] = lambda _: 0.0,
     *,
     screened: int,
     budget: int,
     rng: int | np.random.Generator | None,
 ) -> Search:
-    """Returns a finished search from the best of some Sobol points, in turn.
+    """Returns a finished search of the hysteretic torque that fits best beside a polynomial.
+
+    The runs start from the best of some Sobol points, in turn.
 
     Args:
-        problem: The errors of the shapes; the noise of their torque ends the search.
-        screened: The number of Sobol points, a power of 2.
+        beside: The curves, and the best polynomial on them; the noise of their torque ends the
+            search.
+        box: Lower and upper bound of each coordinate, shape (2, coordinates).
+        shape: Function from a point to the hysteretic torque along all curves, (samples,).
+        missing: Function from a point to the missing margin; by default every point is certified.
+        screened: Number of Sobol points, a power of 2.
         budget: Largest number of evaluations.
         rng: Seed or generator of the Sobol scrambling.
     """
     at_least("budget", budget, screened + 1)
-    search = Search(problem, budget)
-    starts = search.screened(sobol_points(problem.low, problem.high, screened, rng))
-    search.run(starts, problem.beside.floor, AGREEING)
+
+    def evaluate(point: Array) -> Evaluation:
+        return Evaluation(beside.residual(shape(point)), missing(point), point.copy())
+
+    low, high = np.array(box, dtype=np.float64)
+    search = Search(SimpleNamespace(low=low, high=high, evaluate=evaluate), budget)
+    starts = search.screened(sobol_points(low, high, screened, rng))
+    search.run(starts, beside.floor, AGREEING)
     return search
 
 

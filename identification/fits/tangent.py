@@ -22,9 +22,9 @@ RANK = 1e-9  # relative singular value below which columns depend on each other
 class Coordinates:
     """The free parameters of a fitted model as coordinates of the fit.
 
-    A parameter that has a least value, such as c > 1 of a certified Jiles-Atherton model, is given
-    by the logarithm of its distance from that value. A parameter at its least value or at a bound,
-    where the fit stops, is no coordinate, nor is a fixed one.
+    The coordinate of a parameter that has a least value, such as c > 1 of a certified
+    Jiles-Atherton model, is the logarithm of its distance from the least value. Parameters that are
+    fixed, at their least value or at a bound of the user have no coordinate.
 
     Attributes:
         names: Name of each coordinate, shape (p,).
@@ -70,14 +70,7 @@ def coordinates_of(
     fitted_start: bool,
     constraints: Constraints = FREE,
 ) -> Coordinates:
-    """Returns the free parameters of a fitted model as coordinates.
-
-    Args:
-        model: Fitted model.
-        initial_torque: Torque with which the curves begin [N·m], or "measured".
-        fitted_start: Whether the fit chose that torque.
-        constraints: Parameters that the user fixed or bounded.
-    """
+    """Returns the free parameters of a fitted model, and a fitted first torque, as coordinates."""
     every = parameters_of(model, constraints)
     found = [one for one in every if one.value > one.least and one.state == "free"]
     if fitted_start and not isinstance(initial_torque, str):
@@ -94,10 +87,10 @@ def coordinates_of(
 
 
 def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
-    """Returns derivatives of the torque with respect to the coordinates, shape (samples, p).
+    """Returns the derivatives of the torque with respect to the coordinates, shape (samples, p).
 
-    They are differences along the curves, one-sided where the model does not exist, or meets its
-    pole, on one side.
+    They are central differences; one-sided ones if on the other side no such model exists or the
+    model meets its pole; and zero if that is so on both sides.
     """
     point = coordinates.point
 
@@ -126,7 +119,7 @@ def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
 
 
 def independent(columns: Array) -> Array:
-    """Returns an orthonormal basis of what columns span, shape (samples, rank)."""
+    """Returns an orthonormal basis of the span of columns, shape (samples, rank)."""
     size = np.linalg.norm(columns, axis=0)
     scaled = columns[:, size > 0] / size[size > 0]
     if not scaled.size:
@@ -136,5 +129,5 @@ def independent(columns: Array) -> Array:
 
 
 def beside(basis: Array, columns: Array) -> Array:
-    """Returns what an orthonormal basis (samples, rank) does not explain of columns."""
+    """Returns columns less their projection on an orthonormal basis (samples, rank)."""
     return columns - basis @ (basis.T @ columns)

@@ -1,4 +1,8 @@
-"""Models of many weights: Prandtl-Ishlinskii, Preisach, and hinged stops."""
+"""Models of many weights: Prandtl-Ishlinskii, Preisach, and hinged stops.
+
+The fits take first-order curves, of which those with role "fit" are used;
+`response(angle, initial_torque)` of the returned model predicts a curve.
+"""
 
 import math
 from collections.abc import Sequence
@@ -34,27 +38,21 @@ MOST_STEPS = 40
 
 
 def fit_preisach(
-    curves: Sequence[Curve],
-    levels: int | Sequence[float] = 20,
-    constraints: Constraints = FREE,
+    curves: Sequence[Curve], levels: int | Sequence[float] = 20, constraints: Constraints = FREE
 ) -> Preisach:
     """Fits a dissipative Preisach model to first-order curves, by non-negative least squares.
 
     Torque is linear in the density, which must not be negative, in the elastic slopes, which may,
-    and in the torque at which each curve begins: the best model follows without a search. What the
-    curves leave open, such as relays between two turns, becomes as smooth as possible: differences
-    between neighbors in density and in slope count too, in proportion to the noise of the torque.
+    and in the torque at which each curve begins: the best model follows without a search. Numbers
+    that the curves leave open, such as relays between two turns, become smooth: differences between
+    neighbors in density and in slope count too, in proportion to the noise of the torque.
 
     Args:
-        curves: First-order curves (from the lowest angle up to a turn and back); those with role
-            "fit" are used, in any number and of any torque at their beginning.
+        curves: Any number of curves from the lowest angle up to a turn and back.
         levels: The levels [rad], or how many segments to make: one below the lowest angle, the
             others up to the highest. Without a level below the lowest angle, every curve of the
             model comes back to its first torque.
         constraints: Weights and slopes that are fixed or bounded.
-
-    Returns:
-        The model; `response(angle, initial_torque)` predicts a curve.
     """
     curves = usable(curves)
     low, high = curves.angle_range
@@ -86,23 +84,18 @@ def fit_preisach(
 
 
 def fit_prandtl_ishlinskii(
-    curves: Sequence[Curve],
-    thresholds: int | Sequence[float] = 20,
-    constraints: Constraints = FREE,
+    curves: Sequence[Curve], thresholds: int | Sequence[float] = 20, constraints: Constraints = FREE
 ) -> PrandtlIshlinskii:
     """Fits a dissipative Prandtl-Ishlinskii model of stops by non-negative least squares.
 
     Torque is linear in the weights, which must not be negative, in the stiffness, which may, and
-    in the torque at which each curve begins. There all stops are taken to be at zero, as before
-    any motion; the rest angle makes the elastic part, if any, give the curves' mean first torque.
+    in the torque at which each curve begins. All stops are at zero at the beginning, as before any
+    motion; with the rest angle, the elastic part gives the mean first torque of the curves.
 
     Args:
-        curves: First-order curves, which all begin at one angle; those with role "fit" are used.
+        curves: Curves that all begin at one angle.
         thresholds: The thresholds [rad], or how many to spread evenly over the longest way out.
         constraints: Weights and stiffness that are fixed or bounded; a rest angle is not.
-
-    Returns:
-        The model; `response(angle, initial_torque)` predicts a curve.
     """
     curves = usable(curves)
     start = common_start(curves)
@@ -172,15 +165,8 @@ def _least_squares(
 ) -> tuple[Array, Array, Array]:
     """Minimizes |offset of each curve + free x + positive y - torque|^2 + |rules (x, y)|^2.
 
-    Args:
-        curves: Measured curves.
-        free: Columns of x, shape (samples, free).
-        positive: Columns of y, shape (samples, positive).
-        rules: Rows that draw numbers together.
-        ends: Lower and upper bounds of x and y, shape (2, free + positive); None without any.
-
-    Returns:
-        The offsets, x, and y >= 0.
+    The columns `free` and `positive` have the shape (samples, n). `rules` are rows that draw
+    numbers together, and `ends` the bounds of x and y, shape (2, n). Returns offsets, x and y >= 0.
     """
     begins = np.repeat(np.eye(len(curves)), [curve.angle.size for curve in curves], axis=0)
     rows = np.reshape(rules, (-1, free.shape[1] + positive.shape[1]))
@@ -195,7 +181,7 @@ def _least_squares(
         x, _ = bounded_least_squares(both[:, :-1], both[:, -1], low, high)
         offsets, slopes, weights = np.split(x, [len(curves), len(curves) + free.shape[1]])
         return offsets, slopes, weights
-    # What the free columns can explain drops out, then a triangle says the same in fewer rows.
+    # Free columns are projected out; the triangle is the same problem in fewer rows.
     first, last = np.split(design, [len(curves) + free.shape[1]], axis=1)
     basis, triangle = np.linalg.qr(first)
     both = np.column_stack([last, target])
@@ -235,17 +221,13 @@ def fit_hinged_stops(curves: Sequence[Curve], thresholds: int = 12) -> HingedSto
     At fixed weights of spring and stops torque is linear in the slopes of h, which must not be
     negative, and in the offset: both follow from non-negative least squares. The logarithms of the
     weights are searched by least squares. Thresholds are spread over the longest way out, and nine
-    knots over the P that belongs to it. What the curves leave open becomes even: the logarithms of
-    the weights, and neighboring slopes, are drawn together in proportion to the noise of the
-    torque. All stops are taken to be at zero where the curves begin, as before any motion.
+    knots over the range of P there. Numbers that the curves leave open become even: the logarithms
+    of the weights, and neighboring slopes, are drawn together in proportion to the noise of the
+    torque. All stops are at zero at the beginning of the curves, as before any motion.
 
     Args:
-        curves: First-order curves, which all begin at one angle and with one torque, zero or not;
-            those with role "fit" are used.
-        thresholds: The number of stops.
-
-    Returns:
-        The model; `response(angle, initial_torque)` predicts a curve.
+        curves: Curves that all begin at one angle and with one torque, zero or not.
+        thresholds: Number of stops.
     """
     at_least("thresholds", thresholds, 1)
     problem = _Hinges(usable(curves), thresholds)
@@ -292,9 +274,9 @@ class _Hinges:
         return np.concatenate([errors, self.evenness * logs])
 
     def jacobian(self, logs: Array) -> Array:
-        """Returns the derivatives of `residual`, as the slopes of h follow the weights.
+        """Returns the derivatives of `residual`, where the slopes of h follow the weights.
 
-        What moving slopes can undo drops out (Kaufman, BIT 15, 1975, 49).
+        The part that other slopes can undo is taken off (Kaufman, BIT 15, 1975, 49).
         """
         moved = self.strains * self.weights(logs)
         P = moved.sum(axis=1)
@@ -314,11 +296,10 @@ class _Hinges:
         return weights / np.abs(self.strains @ weights).max()
 
     def hinge(self, P: Array) -> tuple[Array, Array, Array]:
-        """Returns the rows of the problem that is linear in the slopes of h, and its solution.
+        """Solves the problem that is linear in the slopes of h.
 
-        Returns:
-            The share of P on each piece of h less its mean, and the rows that draw neighboring
-            slopes together; the best slopes; those means.
+        Returns its rows (the share of P on each piece of h less its mean, and the rows that draw
+        neighboring slopes together), the best slopes, and the means of the shares.
         """
         ends = np.array([-np.inf, *_knots(P), np.inf])
         parts = np.clip(P[:, None], ends[:-1], ends[1:]) - np.clip(0.0, ends[:-1], ends[1:])

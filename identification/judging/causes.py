@@ -1,9 +1,8 @@
 """Faults of a measurement that explain the residual of a fit: their tests, fits and choice.
 
 Each of `judging.faults` is first one column beside the derivatives of a fit (see
-`judging.misfit`). Those that the F test finds are then fitted beside the model, alone or in pairs,
-and are causes only if nothing but noise remains: a wrong model is no fault of the measurement, and
-no fault makes it right.
+`judging.misfit`). The faults that the F test finds are then fitted beside the model, alone or in
+pairs, and are causes only if nothing but noise remains: then the model is right.
 """
 
 import math
@@ -23,10 +22,10 @@ from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 from .sentences import Remark
 
-RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
+RARE = 1e-4  # probability below which a fault counts as certain
 ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
-# Probability below which a fault is fitted. Play and gaps are less certain by their column, which
-# has another size than they, than by their fit.
+# Probability below which a fault is fitted: more than RARE, because the column of a play or gap is
+# computed at another size than that of the fit.
 SCREENED = 0.005
 NEVER_BELOW_ZERO = ("play", "gap", "rate")
 NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
@@ -42,12 +41,12 @@ class Cause:
 
     Attributes:
         name: tare, rate, lag, play, gap, drift, softening, offset or gain.
-        curve: Name of the curve that has it; empty if all have.
-        size: How large it is: [N·m] of tare and offset, [N·m·s/rad] of rate, [s] of lag, [rad] of
-            play and gap, [1] of gain, of drift, per curve, or per cycle of one long record, and of
-            softening, at the beginning over the end.
-        explained: F test of its column, or of what it adds at its size.
-        left: Root mean square of the residual if all of them are fitted too [N·m].
+        curve: Name of the curve with the fault; empty if all curves have the fault.
+        size: Size: [N·m] of tare and offset, [N·m·s/rad] of rate, [s] of lag, [rad] of play and
+            gap, [1] of gain, of drift (per curve, or per cycle of one long record) and of softening
+            (at the beginning, relative to the end).
+        explained: F test of its column, or of its torque at the fitted size.
+        left: Root mean square of the residual if all causes are fitted too [N·m].
     """
 
     name: Fault
@@ -67,7 +66,7 @@ class Cause:
 
 
 class Residual(NamedTuple):
-    """The residual of a fit, and what it is tested against.
+    """The residual of a fit, with the quantities of its tests.
 
     Residual, slopes and smooth columns are divided by the relative deviation of the noise.
     """
@@ -76,7 +75,7 @@ class Residual(NamedTuple):
     curves: Curves  # in the order of measurement
     values: Array  # measured less fitted torque [N·m], (samples,)
     slopes: Array  # of the torque by the fitted parameters, (samples, p)
-    smooth: Array  # columns that may explain what remains, (samples, q)
+    smooth: Array  # columns that may explain the residual, (samples, q)
     scale: Array  # relative deviation of the noise of each sample, (samples,)
     known: Noise | None  # from repeated curves; None: to be estimated
 
@@ -98,7 +97,7 @@ class Linear(NamedTuple):
 class Beside(NamedTuple):
     """A model and faults that are fitted together."""
 
-    residual: Array  # what remains [N·m], (samples,)
+    residual: Array  # residual of both [N·m], (samples,)
     slopes: Array  # of the torque by coordinates and sizes, (samples, p + faults)
     sizes: Array  # of the faults
     added: Array  # torque of each fault [N·m], (samples, faults)
@@ -136,7 +135,7 @@ def causes(rest: Residual) -> list[Cause]:
 
 
 def _proofs(rest: Residual, fit: Beside, faults: Sequence[Linear]) -> list[Explained]:
-    """Returns the surer F test of each fault: by its column, or by what it adds at its size."""
+    """Returns the surer F test of each fault: of its column, or of its torque at its size."""
     first, found = fit.slopes.shape[1] - fit.sizes.size, []
     for i, (one, added) in enumerate(zip(faults, fit.added.T, strict=True)):
         others = np.delete(fit.slopes, first + i, axis=1)
@@ -158,7 +157,7 @@ def _surest(rest: Residual, residual: Array, slopes: Array, column: Array) -> Ex
 def _criterion(faults: Sequence[Linear], fit: Beside) -> float:
     """Returns the Bayesian information criterion of faults that are fitted beside a model.
 
-    Wear-in has a pace, too, which is chosen among several.
+    Softening has two parameters: its size, and its pace, which is chosen among several.
     """
     numbers = sum(2 if one.hypothesis.name == "softening" else 1 for one in faults)
     samples = fit.residual.size
@@ -229,7 +228,7 @@ def _fitted(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
 
 
 def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
-    """Fits model and faults together by least squares; None where that fails."""
+    """Fits model and faults together by least squares; None if the fit fails."""
     from scipy.optimize import least_squares  # slow to import
 
     coordinates, curves, scale = rest.coordinates, rest.curves, rest.scale
@@ -261,6 +260,6 @@ def _anew(rest: Residual, faults: Sequence[Linear]) -> Beside | None:
     try:
         _, added = parts(found.x)
     except (InputError, OverflowError):
-        return None  # it ended where there is no such model
-    finite = np.isfinite(added).all()  # else it ended at a pole
+        return None  # the fit ended at parameters without a model
+    finite = np.isfinite(added).all()  # else the fit ended at a pole
     return Beside(found.fun, -found.jac, found.x[count:], added) if finite else None

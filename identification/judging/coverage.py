@@ -5,7 +5,7 @@ motion differs from them, which this module expresses in numbers.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ WHOLE = 0.9  # share of a motion's range: a branch of that length is half a cycl
 BEYOND = 0.01  # tolerated excursion of a motion beyond the range of the curves, over that range
 NEAR = 2.0  # assumed ratio to a measured rate or depth, up to which both are alike
 PARTS = 10  # number of parts of a branch; the fastest part gives its rate
-NESTED = 2  # reversals within each other, from which on a curve tests nested loops
+NESTED = 2  # least number of reversals within each other of a curve that tests nested loops
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +46,9 @@ class Coverage:
             rules) two reversals are forgotten when the motion passes the first of them, and all of
             them at an extreme of the whole motion so far.
         branches: The shortest, the median and the longest branch, as shares of the range.
-        rates: Rate of the slowest and of the fastest branch [rad/s], each that of the fastest of
-            ten parts of it, over all motions with known times; None if there are none.
+        rates: Rate of the slowest and of the fastest branch [rad/s] of all motions with times,
+            where the rate of a branch is the rate of the fastest of its ten parts; None without
+            times.
         cycles: The most whole cycles of one motion: half the number of its branches over at least
             90 % of its range.
     """
@@ -93,15 +94,9 @@ def motion_coverage(motions: Iterable[Motion]) -> Coverage:
 
 
 def any_motion(measured: Coverage) -> Coverage:
-    """Returns the coverage that any motion needs in the range and at the rates of the curves."""
-    return Coverage(
-        range=measured.range,
-        reversals=DEEP,
-        nesting=DEEP,
-        branches=(FINE, (FINE + 1) / 2, 1.0),
-        rates=measured.rates,
-        cycles=measured.cycles,
-    )
+    """Returns the coverage for any motion in the range and at the rates of the curves."""
+    ways = (FINE, (FINE + 1) / 2, 1.0)
+    return replace(measured, reversals=DEEP, nesting=DEEP, branches=ways)
 
 
 def shortfalls(measured: Coverage, needed: Coverage) -> list[Remark]:
@@ -179,10 +174,9 @@ def _branches(time: Array | None, angle: Array) -> _Branches:
 
 
 def _ends(angle: Array, turns: list[int]) -> list[int]:
-    """Returns the samples where branches end: the first and the last one, and turns between.
+    """Returns the samples where branches end: turns, with an extreme before and an extreme after.
 
-    The first and the last are extremes too, because just after a turn a motion is still within the
-    noise.
+    The first and the last sample of a motion may be too near to a turn to count as branches.
     """
     if not turns:
         return sorted([int(angle.argmin()), int(angle.argmax())])
@@ -193,7 +187,7 @@ def _ends(angle: Array, turns: list[int]) -> list[int]:
 
 
 def _rate(angle: Array, time: Array, dead_band: float) -> float:
-    """Returns the rate of the fastest part of a branch [rad/s]; no part is as short as noise."""
+    """Returns the rate of the fastest part of a branch [rad/s]; each part is longer than noise."""
     way = np.abs(angle - angle[0])
     parts = int(np.clip(way[-1] / dead_band, 1, PARTS))
     levels = np.linspace(0, way[-1], parts + 1)

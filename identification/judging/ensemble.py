@@ -1,13 +1,13 @@
 """The models that the curves do not distinguish, and a band of the torque over all of them.
 
-Models that agree on the curves may differ beyond them, and one that fits at the noise may be of
+Models that agree on the curves may differ beyond them, and a model that fits at the noise may be of
 another kind than the joint. So a band of the torque has two parts: the spread of the models that
-predict left-out curves nearly as well, and the error of these predictions in excess of the noise.
-The spread alone does not measure the error, because it misses effects that no model has.
+predict left-out curves nearly as well as the best, and the error of these predictions in excess of
+the noise. The spread alone is too small, because of effects that no model has.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -38,38 +38,32 @@ NARROW = 0.05  # half width over the peak; a larger error needs repeats in a ver
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One model that `select` tried; where it failed, errors are infinite and there is no model."""
+    """One model that `select` tried. If its fit failed, its errors are infinite."""
 
     name: str
-    model: HysteresisModel | None = None  # fitted to all curves
+    model: HysteresisModel | None  # fitted to all curves; None if the fit failed
     initial_torque: InitialTorque = 0.0  # with which the curves begin [N·m]
+    fitted_start: bool = False  # whether the fit chose that torque
     parameters: int = 0  # number that the fit chooses
-    prediction_nrmse: float = float("inf")  # over what was left out of the fit
+    prediction_nrmse: float = float("inf")  # of the left-out data
     fit_nrmse: float = float("inf")  # on the fitted curves
-    reason: str = ""  # why it failed, as a sentence
-    # Errors of the predictions [N·m], of all left-out samples end to end, alike for all candidates.
+    reason: str = ""  # why the fit failed, as a sentence
+    # Errors of the predictions [N·m]: all left-out samples, end to end in one order.
     prediction_errors: Array = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Member:
-    """A model of an ensemble.
+class Member(Candidate):
+    """A candidate in an ensemble.
 
     Attributes:
-        name: Name of the model.
-        model: Model that is fitted to all curves.
-        initial_torque: Torque with which the curves begin [N·m]; or "measured".
-        fitted_start: Whether the fit chose that torque.
         error: Root mean square error of its predictions of left-out curves [N·m].
         weight: Share in the mean of the ensemble, proportional to the inverse square of the upper
-            limit of its squared error beyond the noise: that of the best member, plus the
-            difference of their squared errors.
+            limit of the squared error beyond the noise. This limit is the squared `excess` of the
+            best member, plus the difference of the squared errors of both.
     """
 
-    name: str
     model: HysteresisModel
-    initial_torque: InitialTorque
-    fitted_start: bool
     error: float
     weight: float
 
@@ -81,10 +75,9 @@ class Ensemble:
     Attributes:
         members: Models with their weights, whose sum is 1.
         excess: Deviation that the best member may have from the joint [N·m]: the root of the upper
-            95 % limit of its squared error less that of the noise.
-        nested: Names of the curves with nested loops, which fits to the other curves predicted. If
-            there are any, the excess is that of these predictions, and otherwise that of all
-            left-out curves, which say less about other motions.
+            95 % limit of its squared error less the squared noise.
+        nested: Names of the curves with nested loops, which fits to the other curves predicted. The
+            excess is that of these predictions; without such curves, that of all left-out curves.
         tested: Whether any left-out data had nested loops.
         noise: Noise of the measured torque.
     """
@@ -163,23 +156,12 @@ def ensemble(
     *,
     seed: int,
     options: Mapping[str, Mapping[str, Any]],
-    fitted_start: Callable[[str], bool],
 ) -> Ensemble | None:
     """Joins the candidates that predict left-out curves nearly as well as the best.
 
     Curves with nested loops test the models beyond first-order curves: every candidate is fitted to
-    all other curves and predicts these, which counts beside its other left-out errors.
-
-    Args:
-        candidates: Models that were fitted to the curves; those that failed are left out.
-        curves: These curves.
-        noise: Noise of the torque.
-        seed: Seed of all random numbers.
-        options: Options of the candidates' fits, by model.
-        fitted_start: Whether the fit of a model, by name, chooses the torque at the beginning.
-
-    Returns:
-        The ensemble; None where every candidate meets its pole on a left-out curve.
+    all other curves, and its errors on the nested ones count with its other left-out errors. The
+    result is None if every candidate meets its pole on a left-out curve.
     """
     tried = [one for one in candidates if one.model and np.isfinite(one.prediction_nrmse)]
     if not tried:
@@ -209,16 +191,8 @@ def ensemble(
     weight = (far.min() / far) ** SHARPNESS
     return Ensemble(
         members=tuple(
-            Member(
-                name=one.name,
-                model=one.model,
-                initial_torque=one.initial_torque,
-                fitted_start=fitted_start(one.name),
-                error=score[one.name],
-                weight=share,
-            )
+            Member(**vars(one), error=score[one.name], weight=share)
             for one, share in zip(kept, (weight / weight.sum()).tolist(), strict=True)
-            if one.model is not None
         ),
         excess=limit,
         nested=tuple(curve.name for curve in nested),
@@ -235,19 +209,11 @@ def drawn(
     seed: int,
     constraints: Constraints = FREE,
 ) -> list[Uncertainty]:
-    """Returns the uncertainties of the members with models to randomize with, which they share.
+    """Returns the uncertainties of the members, which share the models to draw.
 
     Each model is a refit of a member to its own curves with new noise and systematic errors.
-    Members share the number in proportion to their weight; a model that cannot begin as the joint
-    does is left out.
-
-    Args:
-        found: Ensemble.
-        measured: Curves that it was fitted to.
-        initial_torque: Torque with which the joint begins [N·m]; or "measured".
-        samples: Number of models.
-        seed: Seed of all that is drawn.
-        constraints: Parameters that the user fixed or bounded.
+    Members share the number in proportion to their weights; members that cannot begin with the
+    torque [N·m] of the joint are left out.
     """
     at_least("samples", samples, 0)
     check_seed(seed)
@@ -274,7 +240,7 @@ def drawn(
 
 
 def excess(errors: Array, noise: Noise) -> float:
-    """Returns the root of the upper limit of the mean squared error less that of the noise [N·m].
+    """Returns the root of an upper limit of the mean squared error less the squared noise [N·m].
 
     The mean square of n samples of noise has the variance 2 (sum of squared correlations) / n of
     the squared variance; slow noise has few independent samples. Errors are predicted less measured
@@ -324,7 +290,7 @@ class Agreement(NamedTuple):
 
 
 def agreement(found: Ensemble, motions: Sequence[Motion], peak: float) -> Agreement | None:
-    """Returns how far the members of an ensemble differ on motions that move; None without one.
+    """Returns how far the members of an ensemble differ on motions; None if no motion moves.
 
     The peak is the largest torque of the curves [N·m].
     """

@@ -1,4 +1,4 @@
-"""Known faults of a measurement, each as the torque that it would add."""
+"""Known faults of a measurement, each as the torque that the fault would add."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -12,12 +12,12 @@ from ...hysteresis.protocol import HysteresisModel
 from ..data.curves import Curve, Curves
 from ..fits.objective import InitialTorque, predicted
 
-# Plays and gaps to try [rad], because the torque that they add is not proportional to them.
+# Plays and gaps to try [rad], as their torque is not proportional to their size.
 WIDTHS = np.radians([0.2, 1.0, 4.0])
 REST = 3600.0  # s, so long that the way to a face has no rate
 LARGEST_DRIFT = 0.5  # share of the torque from curve to curve; more is no drift
 LEAST_CYCLES = 1.5  # a shorter record shows no drift
-# Paces of wear-in to try, as numbers of curves or cycles, and least number that shows it.
+# Paces of softening to try, as numbers of curves or cycles, and the least number that shows it.
 PACES = np.geomspace(0.5, 8, 12)
 LEAST_WEAR = 2.0
 Fault = Literal["tare", "rate", "lag", "play", "gap", "drift", "softening", "offset", "gain"]
@@ -25,7 +25,7 @@ Faulty = Callable[[HysteresisModel, InitialTorque, float], Array]
 
 
 def played(angle: Array, gap: float) -> Array:
-    """Returns the angle behind a play of a gap [rad], which follows once the gap is taken up."""
+    """Returns the angle behind a play [rad], which moves only after the gap is closed."""
     found, here = np.empty_like(angle), angle[0]
     for i, ahead in enumerate(angle):
         here = min(max(here, ahead - gap), ahead)
@@ -105,7 +105,7 @@ def hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypo
 
 
 def _delayed(time: Array, torque: Array, lag: float) -> Array:
-    """Returns torques of an earlier time; the joint rests before the first, and goes on at last."""
+    """Returns the torques a lag [s] earlier: constant before the curve, linear after it."""
     last = (torque[-1] - torque[-2]) / (time[-1] - time[-2])
     beyond = np.maximum(time - lag - time[-1], 0.0)
     return np.interp(time - lag, time, torque) + last * beyond
@@ -125,7 +125,7 @@ def _begun_at_face(curve: Curve, shift: float) -> Curve:
 
 
 def _behind_gap(model: HysteresisModel, gap: float) -> HysteresisModel:
-    """Returns a model behind a gap; a dashpot stays beside it."""
+    """Returns a model behind a gap; a dashpot stays beside both."""
     if isinstance(model, Viscoelastic):
         return replace(model, model=_behind_gap(model.model, gap))
     return Backlash(model=model, gap=gap)

@@ -26,9 +26,9 @@ BASELINES: dict[str, Callable[[Array, Array], Branches]] = {
     "a spring with friction": spring_with_friction,
     "two branches without memory": two_branches,
 }
-MATTERS = 1e-3  # share of the peak that a good load cell resolves: less gets no remark
-UNLIKELY = 0.005  # probability of a misfit by noise alone, below which it is reported
-HARDLY = 1e-3  # singular value over the largest one: models of many weights have many small ones
+MATTERS = 1e-3  # NRMSE that a good load cell resolves: a smaller one gets no remark
+UNLIKELY = 0.005  # probability of a misfit by noise alone, below which the misfit is reported
+HARDLY = 1e-3  # least singular value over the largest: models of many weights have many small ones
 WITHOUT_REPEATS = 0.05  # NRMSE above which only repeated curves show that the rest is noise
 UNFINISHED = 1.05  # ratio to the least error, from which on a search has ended too early
 TIMES_NOISE = 1.3  # ratio of the residual to the bound of the noise, from which on a misfit matters
@@ -68,15 +68,15 @@ class Judgement:
     verdict: str = ""  # one of the four phrases of `judging.sentences`
     times_noise: float  # root mean square of the residual over the bound of the noise
     misfit: Explained  # F test of the residual's smooth part
-    # Deviation of that noise, of repeated curves if there are any, and at most that of what a
-    # smooth curve through each branch leaves [N·m].
+    # Deviation of the noise [N·m]: of repeated curves; without them at most that of the residual of
+    # a smooth curve through each branch.
     noise_bound: float
     is_repeated: bool  # whether repeated curves show the noise
     causes: tuple[Cause, ...]  # one or two faults that explain the residual down to the noise
-    explained: float  # the residual over what is left if the causes are fitted too
+    explained: float  # the residual over the residual with the causes fitted too
     nrmse: float
     constant: float  # NRMSE of a constant torque
-    unfinished: float  # error over the least one nearby, of a search for least squares
+    unfinished: float  # error over the least error nearby; 1 for fits that end at the least one
     baselines: dict[str, float]  # NRMSE of models without memory on the same curves, by name
     remarks: tuple[Remark, ...] = ()  # reasons to doubt the model or the curves
 
@@ -105,7 +105,7 @@ class Judgement:
 
     @property
     def doubts(self) -> list[str]:
-        """Why only repeated curves can tell whether the model describes the curves."""
+        """Reasons why only repeated curves can show whether the model describes the curves."""
         found = []
         if self.nrmse > MATTERS and self.times_noise >= TIMES_NOISE:
             found.append(sentence("doubt residual", **self.numbers))
@@ -161,17 +161,12 @@ def judge(
     beyond: bool,
     searched: bool = False,
 ) -> Judgement | None:
-    """Judges a fit by its residual; None where the model meets its pole on the curves.
+    """Judges a fit by its residual; None if the model meets its pole on the curves.
 
-    Args:
-        model: Fitted model.
-        initial_torque: Torque with which the curves begin [N·m], or "measured".
-        curves: Fitted curves, thinned to about `JUDGED` samples: more take long and add little.
-        fitted_start: Whether the fit chose that torque.
-        constraints: Parameters that the user fixed or bounded.
-        beyond: Whether the curves do not cover the intended motion; without such a motion, whether
-            they contain no nested loops.
-        searched: Whether a swarm or the like searched for least squares, and may have ended early.
+    The curves are thinned to about `JUDGED` samples. `fitted_start` is whether the fit chose the
+    torque at their beginning; `beyond`, whether they do not cover the intended motion, or, without
+    such a motion, have no nested loops; `searched`, whether a swarm or another optimizer searched
+    for least squares, and may have ended early.
     """
     whole = -torque_errors(model, initial_torque, curves)
     if not np.isfinite(whole).all():
@@ -244,6 +239,6 @@ def _reached(slopes: Array) -> Array:
 
 
 def _unfinished(residual: Array, slopes: Array) -> float:
-    """Returns the error over the least one nearby, predicted by the derivatives of the model."""
+    """Returns the error over the least error nearby, predicted by the model's derivatives."""
     least = beside(independent(slopes), residual)
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))

@@ -57,7 +57,7 @@ def explained(
     """Tests columns (samples, q) beside the derivatives of a fit (samples, p).
 
     All of them are divided by the relative deviation of uneven noise, as is the residual [N·m]. The
-    noise is estimated where it is not known from repeated curves.
+    noise is estimated if repeated curves do not show it.
     """
     inner = independent(slopes)
     outer = independent(beside(inner, columns))
@@ -71,7 +71,7 @@ def explained(
             continue
         whitened, _ = whiten(np.column_stack([both, residual]), sizes, memory, white)
         triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
-        # The last column contains, in turn, what each group of columns explains.
+        # The last column has the part of the residual that each column explains.
         gained = float(np.sum(triangle[inner.shape[1] : both.shape[1], -1] ** 2))
         value = gained / outer.shape[1] / max(float(variance), np.finfo(float).tiny)
         statistic += weight * value
@@ -109,8 +109,8 @@ def smooth_columns(curves: Sequence[Curve]) -> Array:
 def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | None:
     """Returns the noise from differences of curves along one path; None without such curves.
 
-    Half the difference of two curves is free of what both have in common, a misfit too. A constant,
-    a slope and a share of the torque count as faults of one of them, and not as noise.
+    Half the difference of two curves is free of everything that both have, a misfit too. A
+    constant, a slope and a share of the torque count as faults of one of them, and not as noise.
     """
     low, high = Curves(curves).angle_range
     differences, sizes, shares, columns = [], [], [], []
@@ -142,18 +142,13 @@ def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | No
 def outliers(
     residual: Array, curves: Sequence[Curve], scale: Array, *, is_misfit: bool
 ) -> list[Remark]:
-    """Returns remarks on samples that a sensor cannot have measured.
+    """Returns remarks on samples that are errors of the sensor.
 
-    The first statistic is the residual less the mean of its two neighbors, which a smooth misfit
-    leaves small; the second one the mean of a run less that of the samples before and after. Both
-    are divided by their deviation by the median, which outliers leave as it is. Noise whose tails
-    are heavy has no outliers.
-
-    Args:
-        residual: Residual of the fit [N·m] over the scale, shape (samples,).
-        curves: The fitted curves.
-        scale: Relative deviation of the noise of each sample, shape (samples,).
-        is_misfit: Whether the model surely is wrong; then it may be at fault, and none is returned.
+    The first statistic is the residual less the mean of its two neighbors, which is small for a
+    smooth misfit; the second is the mean of a run less that of the samples before and after. Both
+    are divided by a deviation from the median, which outliers hardly change. Noise whose tails
+    are heavy has no outliers. The residual is over `scale`, the relative deviation of the noise. A
+    model that surely is wrong may be the cause itself: then there is no remark.
     """
     ends = np.cumsum([curve.torque.size for curve in curves])[:-1]
     parts = np.split(residual, ends)
@@ -198,7 +193,7 @@ def _runs(parts: Sequence[Array], scales: Sequence[Array], curves: Sequence[Curv
 
 
 def _apart(values: Array, length: int) -> Array:
-    """Returns the mean of each run less that of as many samples on each side."""
+    """Returns the mean of each run less the mean of as many samples on each side."""
     total = np.concatenate([[0.0], np.cumsum(values)])
     if total.size <= 3 * length:
         return np.empty(0)

@@ -1,10 +1,10 @@
 """The noise of a measured torque: white noise beside slow noise, estimated from a residual.
 
-A sensor's noise has two parts: one that is independent from sample to sample, and one that wanders
-(an AR(1) process). Their shares are known only from the residual of a fit, which the fit has made
-smaller. Restricted maximum likelihood (Patterson and Thompson 1971, Biometrika 58, 545) takes
-account of that. Since no single pair of numbers is certain, what follows from the noise is
-averaged over a grid of them, weighed by their likelihood.
+A sensor's noise has a white part, independent from sample to sample, and a slow part (an AR(1)
+process). Their shares are estimated from the residual of a fit by restricted maximum likelihood
+(Patterson and Thompson 1971, Biometrika 58, 545), because the fit has made the residual smaller.
+Since no pair of shares is certain, results are averaged over a grid of pairs, weighed by their
+likelihood.
 
 The noise of some sensors is in part proportional to the torque. A residual and its columns are then
 divided by the relative deviation of each sample, after which the noise is even.
@@ -32,8 +32,8 @@ GRID = np.array([(0.0, 0.0), *((memory, white) for memory in MEMORIES for white 
 
 SIMPLER = 10.0  # prior odds of white noise alone
 AT_PEAK = np.geomspace(0.5, 50, 15)  # ratios to try of the proportional part to the constant one
-OVERLAP = 1.45  # samples that share neighbors, and so tell as much as one: sum of correlations
-TINY = 1e-3  # least distance from the neighbors over the median one; torques may have few digits
+OVERLAP = 1.45  # sum of correlations: so many samples, which share neighbors, count as one
+TINY = 1e-3  # least distance from the neighbors over the median one, as torques may have few digits
 FEWEST = 30  # samples, below which noise counts as even
 PIECES = 12  # largest number of polynomial pieces of a branch
 SAMPLES = 6  # least number of samples of a piece
@@ -70,12 +70,12 @@ class Noise:
 
     @property
     def constant(self) -> float:
-        """The part of the deviation that is there without torque [N·m]."""
+        """The deviation without torque [N·m]."""
         return self.deviation / math.sqrt(self.uneven.square)
 
     @property
     def share(self) -> float:
-        """The part of the deviation in proportion to the torque, as a share of it."""
+        """The proportional part of the deviation over the torque."""
         return self.constant * self.uneven.ratio
 
     @property
@@ -99,11 +99,11 @@ class Noise:
 
 
 def uneven_noise(residual: Array, torque: Array, sizes: Sequence[int]) -> Uneven:
-    """Returns whether noise has a part in proportion to the torque, by the information criterion.
+    """Returns how noise depends on the torque, if the information criterion finds that it does.
 
-    It compares how far samples are from the mean of their two neighbors, which a smooth misfit and
-    slow noise leave small. Logarithms of these distances bear outliers and heavy tails. Residual
-    and fitted torque [N·m] have the shape (samples,).
+    The distances of samples from the mean of their two neighbors are compared, which are small for
+    a smooth misfit and slow noise, by their logarithms, which outliers hardly change. Residual and
+    fitted torque [N·m] have the shape (samples,).
     """
     ends = np.cumsum(sizes)[:-1]
     apart = [np.abs(one[1:-1] - (one[:-2] + one[2:]) / 2) for one in np.split(residual, ends)]
@@ -150,13 +150,9 @@ def whiten(values: Array, sizes: Sequence[int], memory: float, white: float) -> 
     """Returns values that are white under this noise, and half its log determinant.
 
     The slow part is the state of a Kalman filter, whose innovations over their deviations are
-    white.
-
-    Args:
-        values: Series along the curves, end to end, shape (samples, m).
-        sizes: Number of samples of each curve.
-        memory: Correlation of the slow noise from sample to sample.
-        white: Share of white noise in the variance, which is 1.
+    white. The values (samples, m) are series along curves of these sizes, end to end; `memory` is
+    the correlation of the slow noise from sample to sample, and `white` the share of white noise in
+    the variance, which is 1.
     """
     found = np.array(values, dtype=np.float64)
     ends = np.cumsum([0, *sizes])
@@ -194,7 +190,7 @@ def slow_noise(size: int, memory: float, rng: np.random.Generator) -> Array:
 
 
 def smoother_noise(curves: Sequence[Curve]) -> float:
-    """Returns the standard deviation of what smooth curves through all branches leave [N·m].
+    """Returns the deviation [N·m] of the torque from smooth curves through all branches.
 
     Each branch has its own cubic spline over the samples, whose pieces are shorter after the
     reversal, where a hysteretic torque bends most. The deviation accounts for their number.

@@ -1,4 +1,4 @@
-"""Mistakes of a recording that curves show before any fit, each with what was seen and where."""
+"""Mistakes of a recording that curves show before any fit, each with its place and numbers."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -17,16 +17,16 @@ USUAL_RATE = (1e-3, 30.0)  # rates of a branch [rad/s]; slower takes an hour, fa
 COARSE = 0.1  # largest distance between two samples, as a share of the range
 COUNTS = 100  # encoder counts over the range: fewer hide torques of 0.3 % of the peak
 REPEATED = 0.2  # share of samples that repeat the angle of the one before
-CLIPPED = 6  # length of a run of equal torques at the extreme, from which on it is no chance
+CLIPPED = 6  # least length of a run of equal torques at the extreme that is no chance
 SHUFFLED = 5.0  # samples over the way in ranges; fewer are in no order
 FEWEST = 20  # samples of a curve whose order can be judged
 PAUSE = 5.0  # ratio of a step of time to the usual one, where a turn may be missing
 AWAY = 0.02  # way over the range that the joint could go in that time, at least
 SURE = 4.0  # deviations of the noise that a jump of the torque has at least
 SUDDEN = 0.02  # jump of the torque over its range, at least
-OFTEN = 2  # returns to the first angle that may be the begin of another measurement
+OFTEN = 2  # number of returns to the first angle, from which on there may be several measurements
 LATE = 20.0  # ratio of a step of time to the usual one, where the clock jumps
-NOISY = 2e-3  # noise of the angle over the range, from which on it counts
+NOISY = 2e-3  # noise of the angle over the range, above which there is a remark
 SAME_PLACE = 0.02  # largest distance of two angles at one place, over the range
 SCALED = 0.05  # residual of a scaled copy, over the noise
 SMOOTH = 0.1  # noise of a torque over that of the angle, as shares of their ranges: exchanged
@@ -38,16 +38,12 @@ Place = Callable[[int], str]
 
 
 def recording_faults(curves: Sequence[Curve]) -> list[Remark]:
-    """Returns remarks on mistakes of the recording; none where nothing is suspicious.
-
-    Args:
-        curves: The curves as they were read; `Curves` of a file know its lines.
-    """
+    """Returns remarks on mistakes of the recording of curves, as they were read."""
     family = Curves(curves)
     found = [*_family(family)]
     for look in (_clipped, _shuffled, _label, _turn, _clock, _coarse, _stepped, _noisy):
         remarks = (look(one, partial(family.place, one.name)) for one in family)
-        found += [one for one in remarks if one][:1]  # the first curve that deserves one
+        found += [one for one in remarks if one][:1]  # one remark a kind
     return found
 
 
@@ -126,10 +122,10 @@ def _label(curve: Curve, _: Place) -> Remark | None:
 
 
 def _turn(curve: Curve, place: Place) -> Remark | None:
-    """Returns a remark where no sample is left of a time at a turn.
+    """Returns a remark on a pause at a turn without samples.
 
-    A torque that jumps there shows that the joint went on. One that does not says nothing: loops
-    may be as thin as the noise.
+    A jump of the torque there shows that the joint went on. No jump shows nothing: loops may be as
+    thin as the noise.
     """
     if curve.time is None or curve.angle.size < FEWEST:
         return None

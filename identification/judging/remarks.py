@@ -1,4 +1,4 @@
-"""Remarks on a fitted model: limits that it reached, and terms that were not found."""
+"""Remarks on a fitted model: limits that were reached, and corrections that were not found."""
 
 from collections.abc import Iterator, Sequence
 
@@ -24,9 +24,9 @@ AWAY, BESIDE = 5.0, 0.02  # tolerance in deviations of the noise, and as a share
 def remarks_on(
     corrections: Corrections, model: HysteresisModel, change: Softening | None
 ) -> Iterator[Remark]:
-    """Yields remarks on terms that were asked for and not found, or only in part.
+    """Yields remarks on requested corrections that were not found, or found in part.
 
-    The change over the cycles is the one that was found.
+    `change` is the change over the cycles that was found.
     """
     if corrections.softening == "fit" and change is None:
         yield Remark("softening none")
@@ -47,7 +47,7 @@ def diagnostics(
     curves: Sequence[Curve],
     bounds: Sequence[tuple[float, float]] | None,
 ) -> Iterator[Remark]:
-    """Yields remarks on a fit that deserves doubt.
+    """Yields remarks on a large error and on parameters at a limit.
 
     The bounds are the search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """

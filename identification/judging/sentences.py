@@ -241,17 +241,17 @@ class Remark:
 
     @property
     def code(self) -> str:
-        """What it is about."""
+        """Subject of the remark."""
         return self.kind.partition(" ")[0]
 
     @property
     def sentence(self) -> str:
-        """The remark in words, with what to do about the measurement."""
+        """The remark in words, with a remedy in the measurement."""
         return sentence(self.kind, **self.values)
 
     @property
     def option(self) -> tuple[str, str] | None:
-        """Option of `identify`, and its value, that would act on it; None if there is none."""
+        """Option of `identify`, and its value, that would act on the remark, if any."""
         return OPTIONS.get(self.kind)
 
     def to_dict(self) -> dict[str, Any]:

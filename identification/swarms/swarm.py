@@ -1,8 +1,7 @@
-"""The particle swarm that all variants share, as an ask/tell core that can be saved and resumed."""
+"""The particle swarm that all variants share: a caller asks for positions, and tells values."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Self
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,72 +10,36 @@ from scipy.optimize import OptimizeResult
 from ...arrays import Array
 from ...errors import InputError
 
-GENERATORS: dict[str, Any] = {
-    name: getattr(np.random, name) for name in ("PCG64", "PCG64DXSM", "Philox", "SFC64", "MT19937")
-}
 Objective = Callable[[Array], ArrayLike]
 Callback = Callable[[OptimizeResult], None]
 Bounds = Sequence[tuple[float, float]]
 FARTHEST = 1e300  # largest bound, so that no difference of positions overflows
 
 
-def pack(value: Any) -> Any:
-    """Returns arrays and numbers as JSON-able ones; infinity, which JSON has not, becomes None."""
-    if isinstance(value, Mapping):
-        return {key: pack(part) for key, part in value.items()}
-    if isinstance(value, np.ndarray | list):
-        return [pack(part) for part in np.asarray(value).tolist()]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def unpack(name: str, value: Any, like: Any) -> Any:
-    """Returns a packed value as what it was, of the type and, for arrays, the shape of `like`."""
-    if not isinstance(like, np.ndarray):
-        return list(value) if isinstance(like, list) else value
-    array = np.array(value, dtype=np.float64)
-    if array.shape != like.shape:
-        raise InputError(
-            f"the state's {name} has shape {array.shape} instead of {like.shape}: use a state as "
-            "it was saved"
-        )
-    return np.where(np.isnan(array), np.inf, array)
-
-
 class Swarm(ABC):
     """Particles with velocities and personal bests, scattered by eq. (5), (6) of Li et al. 2022.
 
-    A caller asks for positions, evaluates them and tells the values, until `stopped` says why to
-    end; `minimize` is that loop, and gives the same numbers bit for bit. The first round evaluates
-    the scattered particles; every later one moves them first:
+    A caller asks for positions, evaluates them and tells the values, until `stopped` names a reason
+    to end; `minimize` is that loop. The first round evaluates the scattered particles; every later
+    round moves the particles first:
 
     - velocity: eq. (8), each component then set back into +-`velocity_limit` times the range;
     - position: eq. (9), each component then set back to its bound; the velocity stays as it is.
 
     Values that are not finite count as infinitely bad. The result is the best point ever evaluated,
-    whatever particle the swarm was following. A swarm can be pickled, or saved by `state` at any
-    moment, also between ask and tell, and goes on bit for bit.
+    whatever particle the swarm was following. A swarm can be pickled at any moment, also between
+    ask and tell; the unpickled swarm continues with the same numbers bit for bit.
 
     Args:
         bounds: One pair (low, high) per parameter.
         swarm_size: Number of particles.
         max_iterations: Number of moves after the first evaluation.
         velocity_limit: Largest move per iteration, as a fraction of each parameter's range; a
-            faster component is set back to it. Both papers leave Vmax open.
-        target: Value that ends the run as soon as the best one is below it (steps 4 and 11 of Li et
-            al. 2022 use 1e-3); None never does.
+            faster component is set back to this limit. Both papers leave Vmax open.
+        target: The run ends as soon as the best value is below the target (steps 4 and 11 of Li et
+            al. 2022 use 1e-3); None sets no target.
         rng: Seed or generator; the same seed gives the same result bit for bit.
     """
-
-    # Attributes that change during a run; arrays keep their shape, so construction allocates them.
-    _CHANGING: ClassVar[tuple[str, ...]] = (
-        "_position",
-        "_velocity",
-        "_personal",
-        "_personal_fitness",
-        "_history",
-        "_discarded",
-        "_asked",
-    )
 
     def __init__(
         self,
@@ -96,13 +59,6 @@ class Swarm(ABC):
             )
         self._max_iterations, self._target = max_iterations, target
         self._rng = np.random.default_rng(rng)
-        self._options: dict[str, Any] = {
-            "bounds": np.stack((low, high), axis=1).tolist(),
-            "swarm_size": swarm_size,
-            "max_iterations": max_iterations,
-            "velocity_limit": velocity_limit,
-            "target": target,
-        }
         self._fastest = limit = velocity_limit * (high - low)
         self._slowest = -limit
         shape = (swarm_size, low.size)
@@ -122,7 +78,7 @@ class Swarm(ABC):
 
     @property
     def stopped(self) -> str:
-        """Why the run is over, as words; empty while it is not."""
+        """Reason why the run has ended, in words; empty as long as the run continues."""
         if not self._history:
             return ""
         if self._target is not None and self._history[-1] < self._target:
@@ -131,7 +87,7 @@ class Swarm(ABC):
 
     @property
     def result(self) -> OptimizeResult:
-        """What is known by now; `pso` lists the fields.
+        """The result so far; `minimized` lists its fields.
 
         Raises:
             InputError: `tell` has not received any values yet.
@@ -152,7 +108,7 @@ class Swarm(ABC):
         )
 
     def ask(self) -> Array:
-        """Returns the positions to evaluate, (n, d); asking again before `tell` gives the same."""
+        """Returns the positions to evaluate, (n, d), the same ones until `tell` is called."""
         if not self._asked:
             if self.stopped:
                 raise InputError(f"ask after the end ({self.stopped}): read result, or start anew")
@@ -183,13 +139,7 @@ class Swarm(ABC):
         self._asked = False
 
     def minimize(self, objective: Objective, callback: Callback | None = None) -> OptimizeResult:
-        """Asks and tells until the end, from wherever the swarm is, and returns the result.
-
-        Args:
-            objective: Function that maps positions (n, d) to values (n,).
-            callback: Function that gets the intermediate result after every iteration; it may raise
-                StopIteration.
-        """
+        """Asks and tells until the run ends; see `minimized`. A swarm may have run before."""
         while not self.stopped:
             self.tell(objective(self.ask()))
             if callback is not None and self.iteration:
@@ -200,36 +150,6 @@ class Swarm(ABC):
                         self.result, success=False, message="stopped by the callback"
                     )
         return self.result
-
-    def state(self) -> dict[str, Any]:
-        """Returns everything, the random generator included, as a JSON-able dictionary."""
-        return {
-            "swarm": type(self).__name__,
-            "options": dict(self._options),
-            "changing": {name: pack(getattr(self, name)) for name in self._CHANGING},
-            "rng": pack(self._rng.bit_generator.state),
-        }
-
-    @classmethod
-    def from_state(cls, state: Mapping[str, Any]) -> Self:
-        """Returns the swarm that `state` described; it goes on as if never interrupted."""
-        kind = state.get("swarm")
-        if kind not in (None, cls.__name__):
-            raise InputError(
-                f"the state is of a {kind}, not of a {cls.__name__}: call {kind}.from_state"
-            )
-        try:
-            changing, saved = state["changing"], state["rng"]
-            generator = np.random.Generator(GENERATORS[saved["bit_generator"]]())
-            swarm = cls(**state["options"], rng=generator)  # draws; the state is restored after
-            generator.bit_generator.state = saved
-            for name in cls._CHANGING:
-                setattr(swarm, name, unpack(name, changing[name], getattr(swarm, name)))
-        except (TypeError, KeyError) as error:
-            raise InputError(
-                f"the state does not fit ({error}): use a state as it was saved"
-            ) from error
-        return swarm
 
     @abstractmethod
     def _coefficients(self) -> tuple[float, float, float]:
@@ -253,7 +173,7 @@ class Swarm(ABC):
         self._position = np.clip(self._position + self._velocity, self._low, self._high)
 
     def _take(self, fitness: Array) -> None:
-        """Remembers what is better than before; `fitness` belongs to the positions, (n,)."""
+        """Updates the personal bests by the values (n,) of the present positions."""
         better = fitness < self._personal_fitness
         np.copyto(self._personal, self._position, where=better[:, np.newaxis])
         np.copyto(self._personal_fitness, fitness, where=better)
@@ -276,7 +196,7 @@ def checked_bounds(bounds: Bounds) -> tuple[Array, Array]:
 
 
 def finite_scores(fitness: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Returns the values of positions of `shape` (n, d), (n,), infinite where not finite."""
+    """Returns the values (n,) of positions of shape (n, d), infinite where they are not finite."""
     values = np.asarray(fitness, dtype=np.float64)
     if values.shape != shape[:1]:
         raise InputError(

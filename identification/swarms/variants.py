@@ -4,7 +4,8 @@ import inspect
 import math
 from abc import ABC
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +56,7 @@ def linear_inertia(iteration: int, iterations: int) -> float:
 
 
 class PSO(Swarm):
-    """The basic swarm as an ask/tell core.
+    """The basic swarm: eq. (5), (6), (8)-(10) of Li et al. 2022.
 
     Args:
         bounds: One pair (low, high) per parameter.
@@ -88,8 +89,6 @@ class PSO(Swarm):
         self._cognitive, self._social = cognitive, social
         if per_dimension:
             self._draws = (2, *self._position.shape)
-        self._options |= {"inertia": inertia, "cognitive": cognitive, "social": social}
-        self._options["per_dimension"] = per_dimension
 
     def _coefficients(self) -> tuple[float, float, float]:
         if self._inertia == "tanh":
@@ -101,29 +100,6 @@ class PSO(Swarm):
         return inertia, self._cognitive, self._social
 
 
-def pso(
-    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
-) -> OptimizeResult:
-    """Minimizes with the basic swarm: eq. (5), (6), (8)-(10) of Li et al. 2022.
-
-    `PSO` is the same as an ask/tell core that can be saved and resumed.
-
-    Args:
-        objective: Function that maps positions (n, d) to values (n,); a value that is not finite
-            discards that position.
-        bounds: One pair (low, high) per parameter; a particle beyond is set back to the bound and
-            keeps its velocity.
-        callback: Function that gets the intermediate result after every iteration; it may raise
-            StopIteration.
-        **options: Options of `PSO`.
-
-    Returns:
-        A result with `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after
-        each iteration), `discarded`, `population`, `success`, `message`.
-    """
-    return PSO(bounds, **options).minimize(objective, callback)
-
-
 def _usable(value: object) -> bool:
     return isinstance(value, int | float) and math.isfinite(value) and value >= 0
 
@@ -131,8 +107,8 @@ def _usable(value: object) -> bool:
 def scheduled_coefficients(iteration: int, iterations: int) -> tuple[float, float, float]:
     """Linear inertia, eq. (13), and learning factors, eq. (14).
 
-    The "A" of eq. (14) is read as the inertia Lambda(n) of eq. (13): only then do its limits mean
-    anything, and c1, c2 run from (2.5, 0.5) to exactly (1.3, 1.7).
+    The "A" of eq. (14) is taken for the inertia Lambda(n) of eq. (13): only then c1, c2 run from
+    (2.5, 0.5) to exactly (1.3, 1.7).
     """
     first, last = LINEAR_RANGE
     inertia = linear_inertia(iteration, iterations)
@@ -144,25 +120,17 @@ def scheduled_coefficients(iteration: int, iterations: int) -> tuple[float, floa
 
 
 class MPSO(Swarm):
-    """MPSO as an ask/tell core, with the options of `Swarm`."""
+    """MPSO: eq. (13) and (14) of Li et al. 2022 on the basic swarm, with the options of `Swarm`."""
 
     def _coefficients(self) -> tuple[float, float, float]:
         return scheduled_coefficients(self.iteration, self._max_iterations)
 
 
-def mpso(
-    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
-) -> OptimizeResult:
-    """Minimizes with MPSO: eq. (13) and (14) of Li et al. 2022 on the basic swarm.
-
-    Arguments, result and errors are those of `pso`, without its coefficients. `MPSO` is the same as
-    an ask/tell core that can be saved and resumed.
-    """
-    return MPSO(bounds, **options).minimize(objective, callback)
-
-
 class SAPSO(Swarm):
-    """SA-PSO as an ask/tell core.
+    """SA-PSO: eq. (5), (6), (8)-(12) and steps 1-12 of Li et al. 2022.
+
+    In each iteration one random number picks, by the roulette of eq. (12), the personal best that
+    the whole swarm follows; the best point ever found is kept apart and returned.
 
     Args:
         bounds: One pair (low, high) per parameter.
@@ -172,19 +140,12 @@ class SAPSO(Swarm):
         **common: Options of `Swarm`.
     """
 
-    _CHANGING: ClassVar[tuple[str, ...]] = (*Swarm._CHANGING, "_first_temperature")
-
     def __init__(
-        self,
-        bounds: Bounds,
-        *,
-        temperature: Temperature = "paper",
-        **common: Any,
+        self, bounds: Bounds, *, temperature: Temperature = "paper", **common: Any
     ) -> None:
         super().__init__(bounds, **common)
         self._divisor = _divisor(temperature)
         self._first_temperature = 0.0
-        self._options["temperature"] = temperature
 
     def _coefficients(self) -> tuple[float, float, float]:
         inertia = tanh_inertia(self.iteration, self._max_iterations)
@@ -200,21 +161,8 @@ class SAPSO(Swarm):
         return min(drawn, share.size - 1)
 
 
-def sa_pso(
-    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
-) -> OptimizeResult:
-    """Minimizes with SA-PSO: eq. (5), (6), (8)-(12) and steps 1-12 of Li et al. 2022.
-
-    In each iteration one random number picks, by the roulette of eq. (12), the personal best that
-    the whole swarm follows; the best point ever found is kept apart and returned. `SAPSO` is the
-    same as an ask/tell core that can be saved and resumed, and has the options. Arguments, result
-    and errors are those of `pso`.
-    """
-    return SAPSO(bounds, **options).minimize(objective, callback)
-
-
 def selection_probability(fitness: Array, temperature: float) -> Array:
-    """Returns eq. (12): each particle's chance to lead, (n,); at temperature 0 the best leads."""
+    """Returns the probability of each particle to lead, eq. (12), (n,); if cold, the best leads."""
     if temperature <= 0:
         return (np.arange(fitness.size) == np.argmin(fitness)).astype(np.float64)
     weight = np.exp(-(fitness - fitness.min()) / temperature)
@@ -231,29 +179,24 @@ def _divisor(temperature: Temperature) -> float:
 
 
 class RankDistanceMPSO(PSO):
-    """Rank-distance MPSO as an ask/tell core.
+    """The modified swarm of Kao and Fung 2009: eq. (3)-(9).
 
     An individual is a particle with its position, velocity and personal best. `ask` returns the
-    offspring; `tell` lets the best-scored half of parents and offspring together survive.
+    offspring, the particles one move later; `tell` keeps, of parents and offspring together, the
+    half with the lowest sum of error rank and decayed distance rank, and always the best one. The
+    paper leaves open, and here is chosen: survivors keep their velocity and personal best,
+    distances are measured in units of the box, and ranks start at 1 with ties in order, parents
+    first. The `population` of a result is the survivors.
 
     Args:
         bounds: One pair (low, high) per parameter.
-        distance_rank: Individual that has distance rank 1, which is the best: "far", the farthest
-            from the best solution, as the paper's figure 4 wants it; or "near", the nearest, as its
-            "a higher rank to a longer distance" says word for word.
-        patience: Number of iterations in a row without a better value that ends the run, the
-            paper's second stop rule; it does not print the number. None never ends it so.
+        distance_rank: Individual with the best distance rank, 1: "far", the farthest from the best
+            solution, as in the paper's figure 4; or "near", the nearest, as in the paper's words "a
+            higher rank to a longer distance".
+        patience: Number of iterations in a row without a better value that ends the run: the
+            paper's second stop rule, without its number. None: no such rule.
         **options: Options of `PSO`, by default `KAO_FUNG`.
     """
-
-    _CHANGING: ClassVar[tuple[str, ...]] = (
-        *PSO._CHANGING,
-        "_parent_position",
-        "_parent_velocity",
-        "_fitness",
-        "_decay",
-        "_unimproved",
-    )
 
     def __init__(
         self,
@@ -268,7 +211,6 @@ class RankDistanceMPSO(PSO):
             raise InputError(f"distance_rank is {distance_rank!r}: use 'far' or 'near'")
         if patience is not None:
             at_least("patience", patience, 1)
-        self._options |= {"distance_rank": distance_rank, "patience": patience}
         self._far_first, self._patience = distance_rank == "far", patience
         self._parent_position, self._parent_velocity = self._position, self._velocity
         self._fitness: Array = np.full(len(self._position), np.inf)
@@ -278,7 +220,7 @@ class RankDistanceMPSO(PSO):
 
     @property
     def stopped(self) -> str:
-        """Why the run is over, as words; empty while it is not."""
+        """Reason why the run has ended, in words; empty as long as the run continues."""
         if self._patience is not None and self._unimproved >= self._patience:
             waited = f"no improvement in {self._patience} iterations"
         else:
@@ -318,13 +260,10 @@ class RankDistanceMPSO(PSO):
 
 
 def survivors(error: Array, position: Array, decay: float, *, far_first: bool) -> NDArray[np.intp]:
-    """Returns which half of the individuals lives on, best score first: eq. (5), (6).
+    """Returns the indices of the half that survives, the best score first: eq. (5), (6).
 
-    Args:
-        error: Values of the individuals, (2n,), infinite where discarded.
-        position: Positions of the individuals in units of the box, (2n, d).
-        decay: Weight rho of the distance rank.
-        far_first: Whether the farthest from the best has distance rank 1, or the nearest.
+    Errors have the shape (2n,) and are infinite where discarded, positions (2n, d) are in units of
+    the box, and `decay` is the weight rho of the distance rank.
     """
     best = int(error.argmin())
     away = position - position[best]
@@ -334,21 +273,6 @@ def survivors(error: Array, position: Array, decay: float, *, far_first: bool) -
     if best not in keep:
         keep[-1] = best
     return keep
-
-
-def rank_distance_mpso(
-    objective: Objective, bounds: Bounds, *, callback: Callback | None = None, **options: Any
-) -> OptimizeResult:
-    """Minimizes with the modified swarm of Kao and Fung 2009: eq. (3)-(9).
-
-    The particles of the basic swarm and their offspring, one move later, compete: those with the
-    lowest sum of error rank and decayed distance rank survive, and the best always does. What the
-    paper leaves open: an individual takes its velocity and personal best with it, distances are
-    measured in units of the box, and ranks start at 1 with ties in order, parents first.
-    `RankDistanceMPSO` is the same as an ask/tell core that can be saved and resumed, and has the
-    options. Arguments, result and errors are those of `pso`, where `population` is the survivors.
-    """
-    return RankDistanceMPSO(bounds, **options).minimize(objective, callback)
 
 
 def _ranks(values: Array) -> Array:
@@ -367,12 +291,40 @@ CORES: dict[str, type[Swarm]] = {
     "mpso": MPSO,
     "rank-distance-mpso": RankDistanceMPSO,
 }
-SWARMS: dict[str, Optimizer] = {
-    "pso": pso,
-    "sa-pso": sa_pso,
-    "mpso": mpso,
-    "rank-distance-mpso": rank_distance_mpso,
-}
+
+
+def minimized(
+    core: type[Swarm],
+    objective: Objective,
+    bounds: Bounds,
+    *,
+    callback: Callback | None = None,
+    **options: Any,
+) -> OptimizeResult:
+    """Minimizes with a swarm; `pso`, `sa_pso`, `mpso` and `rank_distance_mpso` are this function.
+
+    Args:
+        core: Class of the swarm.
+        objective: Function that maps positions (n, d) to values (n,); a value that is not finite
+            discards that position.
+        bounds: One pair (low, high) per parameter; a particle beyond is set back to the bound and
+            keeps its velocity.
+        callback: Function that gets the intermediate result after every iteration; it may raise
+            StopIteration.
+        **options: Options of the swarm.
+
+    Returns:
+        A result with `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after
+        each iteration), `discarded`, `population`, `success`, `message`.
+    """
+    return core(bounds, **options).minimize(objective, callback)
+
+
+pso = partial(minimized, PSO)
+sa_pso = partial(minimized, SAPSO)
+mpso = partial(minimized, MPSO)
+rank_distance_mpso = partial(minimized, RankDistanceMPSO)
+SWARMS: dict[str, Optimizer] = {name: partial(minimized, core) for name, core in CORES.items()}
 OPTIMIZERS: dict[str, Optimizer] = dict(SWARMS)
 
 
@@ -387,10 +339,10 @@ def options_of(name: str) -> list[str]:
 def register_optimizer(name: str, minimize: Optimizer) -> None:
     """Makes an optimizer known to `identify`, as a method of `Search` and of the command line.
 
-    It is called as `minimize(objective, bounds, rng=generator, **options)`. The objective maps
-    positions (n, d) to values (n,), infinite where there is none, and bounds are d pairs. The
-    options are the further arguments of `minimize`. Trials run at once in threads, so that
-    `minimize` keeps nothing between calls.
+    `identify` calls `minimize(objective, bounds, rng=generator, **options)`. The objective maps
+    positions (n, d) to values (n,), infinite outside its domain, and bounds are d pairs. The
+    options are the further arguments of `minimize`. Trials run in parallel threads: `minimize` must
+    not keep anything between calls.
 
     Args:
         name: Name of the method.

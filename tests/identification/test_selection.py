@@ -185,7 +185,6 @@ def test_bad_input(truths):
         (curves[:1], {}, r"there is one curve with role 'fit'.*or 2 curves"),
         (curves, {"seed": -1}, "seed is -1"),
         (curves, {"initial_torque": "measured"}, r"initial_torque is 'measured'.*identify it"),
-        (curves, {"tare": 0.1}, r"'tare' was a name of version 0.2: write 'corrections="),
     ]
     assert_refused(lambda given, options: select(given, **options), rows)
 

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.benchmarks.honesty import truths
 from activesuit.hysteresis import MODELS, BoucWen, Dahl, Duhem
-from activesuit.identification import Certified, Curve, fit_curves, fit_duhem
+from activesuit.identification import Curve, fit_curves
 from activesuit.identification.fits.objective import torque_errors
 from activesuit.identification.fits.registry import FITS, fit_model
 from helpers import assert_refused, family, sweep
@@ -45,12 +44,6 @@ def test_a_known_model_comes_back(name, z):
     for seed in range(5):
         found = FITS[known.name](family(known, first=begun(known, z)), rng=seed)
         np.testing.assert_allclose(numbers(found), numbers(known), rtol=limit, atol=limit)
-
-
-def test_a_first_torque_comes_back():
-    found = FITS["bouc-wen"](family(TRUTHS["preloaded"], first=0.7), 0)
-    for curve in family(TRUTHS["preloaded"], UNSEEN, first=0.7):
-        np.testing.assert_allclose(found.response(curve.angle, 0.7), curve.torque, atol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -157,50 +150,3 @@ def test_bad_options():
         ("hinged-stops", curves, {"thresholds": [0.1]}, "thresholds is .*: use"),
     ]
     assert_refused(lambda name, given, options: FITS[name](given, **options), rows)
-
-
-def test_the_fit_of_unlike_ways_finds_equal_ones():
-    found = fit_duhem(family(TRUTHS["dahl"], first=begun(TRUTHS["dahl"])), 0)
-    assert found.friction_up == pytest.approx(1.5, rel=1e-3)
-    assert found.friction_down == pytest.approx(1.5, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_random_joints_with_unlike_ways_are_described_to_the_noise():
-    """Those of `bench honesty`, beside fits of the other models with one state."""
-    left = {name: [] for name in ("duhem", "dahl", "bouc-wen", "jiles-atherton")}
-    for seed in range(12):
-        rng = np.random.default_rng([7, seed])
-        truth = truths.duhem(rng)
-        curves = truths.measured(truth, (0.0, 1.0), rng)
-        noise = np.concatenate([one.torque - truth.torque(one.angle) for one in curves])
-        for name, errors in left.items():
-            found = fit_model(name, curves, np.random.default_rng(0))
-            error = torque_errors(found.model, found.initial_torque, curves)
-            errors.append(np.linalg.norm(error) / np.linalg.norm(noise))
-    assert max(left.pop("duhem")) < 1.0
-    assert min(np.median(errors) for errors in left.values()) > 1.2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["dahl", "duhem"])
-def test_intervals_contain_the_truth(name):
-    """Nominal intervals of 95 %, over 10 families."""
-    known, inside = TRUTHS[name], []
-    for seed in range(10):
-        curves = family(known, (0.7, *TURNS), first=begun(known), noise=0.03, seed=seed)
-        found = fit_curves(curves, model=name).uncertainty()
-        low, high = found.intervals.T
-        truth = [*numbers(known), begun(known)]
-        assert len(found.names) == known.free_parameters + 1
-        inside.append((low <= truth) & (truth <= high))
-    assert np.mean(inside) > 0.85
-
-
-def test_the_degree_is_an_option():
-    fit = fit_curves(
-        family(TRUTHS["dahl"], first=begun(TRUTHS["dahl"])),
-        model="dahl",
-        method=Certified(degree=1),
-    )
-    assert len(fit.model.spring) == 2

@@ -117,8 +117,3 @@ def test_a_spring_without_noise():
     found = fit_hinged_stops(spring)
     torque = found.response(spring[-1].angle, found.offset)
     np.testing.assert_allclose(torque, spring[-1].torque, atol=1e-3)
-
-
-def test_the_number_of_thresholds_is_an_option():
-    curves = family(own_truth(np.random.default_rng(0)), 0)
-    assert [len(fit_hinged_stops(curves, thresholds=n).thresholds) for n in (1, 5)] == [1, 5]

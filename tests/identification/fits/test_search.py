@@ -2,12 +2,7 @@
 
 import numpy as np
 import pytest
-from activesuit.identification.fits.search import (
-    BudgetSpent,
-    Evaluation,
-    Search,
-    sobol_points,
-)
+from activesuit.identification.fits.search import BudgetSpent, Evaluation, Search, sobol_points
 
 CENTER = np.array([0.3, -0.2])
 

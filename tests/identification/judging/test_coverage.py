@@ -2,13 +2,7 @@
 
 import numpy as np
 import pytest
-from activesuit.identification import (
-    Motion,
-    coverage,
-    motion_coverage,
-    nested_motion,
-    shortfalls,
-)
+from activesuit.identification import Motion, coverage, motion_coverage, nested_motion, shortfalls
 from activesuit.identification.data.motions import BRANCHES, SHORTEST
 from activesuit.identification.judging.coverage import DEEP, any_motion, nesting_of
 from helpers import along, assert_refused, sweep

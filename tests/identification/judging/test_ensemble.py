@@ -171,6 +171,6 @@ def test_a_candidate_that_cannot_predict_nested_loops_is_no_member(elbow, monkey
 
 def test_candidates_that_meet_their_pole_make_no_ensemble(found):
     poles = [replace(one, prediction_nrmse=np.inf) for one in found.candidates]
-    options = {"seed": 0, "options": {}, "fitted_start": lambda name: True}
+    options = {"seed": 0, "options": {}}
     assert ensemble(poles, found.fit.curves, found.ensemble.noise, **options) is None
     assert ensemble(found.candidates, found.fit.curves, found.ensemble.noise, **options) is not None

@@ -10,7 +10,7 @@ from activesuit.identification import Curve, bare, certified_fit, fit_curves, un
 from activesuit.identification.fits.certified import refined
 from activesuit.identification.fits.tangent import coordinates_of, tangent
 from activesuit.identification.judging.noise import GRID, Noise, slow_noise
-from activesuit.identification.judging.systematic import estimator_covariance
+from activesuit.identification.judging.uncertainty import estimator_covariance
 from helpers import along, assert_refused, family, sweep
 from scipy.stats import binom
 
@@ -72,7 +72,7 @@ def test_standard_errors_are_those_of_many_noisy_fits(elbow, even, share, trials
         return curves
 
     fits = [refined(noisy(seed), parameters(elbow)) for seed in range(trials)]
-    spread = np.std([fit.parameters for fit in fits], axis=0, ddof=1)
+    spread = np.std([parameters(fit.model) for fit in fits], axis=0, ddof=1)
     found = [uncertainty(elbow, noisy(seed)) for seed in range(10)]
     stated = np.mean([one.standard_errors for one in found], axis=0)
     np.testing.assert_allclose(spread, stated, rtol=tolerance)
