@@ -74,6 +74,17 @@ def within(name: str, value: float, low: float, high: float, unit: str = "") -> 
         raise InputError(f"{name} is {shown(value)}: use a number from {low:g} to {high:g}{unit}")
 
 
+def pair(name: str, given: Any, low: float, high: float, unit: str = "") -> tuple[float, float]:
+    """Returns a least and a greatest number, both from `low` to `high`."""
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{name} is {shown(given)}: give two numbers, the least and the greatest")
+    for value in given:
+        within(name, value, low, high, unit)
+    if given[0] > given[1]:
+        raise InputError(f"{name} is {shown(given)}: give the smaller number first")
+    return float(given[0]), float(given[1])
+
+
 def flag(name: str, value: bool) -> None:
     """Checks that a value is True or False; the text "no", for example, would count as true."""
     if not isinstance(value, bool):

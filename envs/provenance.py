@@ -19,21 +19,13 @@ of it; `derived`: computed from such numbers; `assumed`: ours.
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number of the model.
+    """One number of the model."""
 
-    Attributes:
-        name: Name of the quantity, with dots from the general to the particular.
-        value: Number that the model uses.
-        unit: Unit of the number, "1" for a ratio.
-        source: Publication, derivation or reason.
-        grade: Strength of the evidence for the number.
-    """
-
-    name: str
-    value: float
-    unit: str
-    source: str
-    grade: Grade
+    name: str  # name of the quantity, with dots from the general to the particular
+    value: float  # number that the model uses
+    unit: str  # unit of the number, "1" for a ratio
+    source: str  # publication, derivation or reason
+    grade: Grade  # strength of the evidence for the number
 
 
 def numbers_of(*groups: str) -> tuple[Quantity, ...]:
@@ -54,21 +46,13 @@ def values_of(quantities: Iterable[Quantity]) -> dict[str, float]:
 
 
 class Setting(NamedTuple):
-    """Unit, range and source of a number that is a field of a configuration.
+    """Unit, range and source of a number that is a field of a configuration."""
 
-    Attributes:
-        unit: Unit of the number, "1" for a ratio; or words that follow the range.
-        low: Lowest value.
-        high: Highest value.
-        source: Source of the default; None where it needs none.
-        grade: Strength of the evidence for the default.
-    """
-
-    unit: str
-    low: float
-    high: float
-    source: str | None
-    grade: Grade
+    unit: str  # unit of the number, "1" for a ratio; or words that follow the range
+    low: float  # lowest value
+    high: float  # highest value
+    source: str | None  # source of the default; None where it needs none
+    grade: Grade  # strength of the evidence for the default
 
 
 def setting(

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ...assets import JOINTS, Suit, SuitJoint
-from ...checks import within
+from ...checks import pair
 from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig, Payload, suit_of_config
 from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
@@ -79,7 +79,7 @@ class Randomization:
         ):
             given = getattr(self, name)
             if given is not None:
-                object.__setattr__(self, name, _range(f"randomize.{name}", given, most, unit))
+                object.__setattr__(self, name, pair(f"randomize.{name}", given, 0, most, unit))
         for name, example in (
             ("gravity", "of places, such as ['earth', 'moon']"),
             ("suits", "of suits, such as ['mock-suit', 'emu-like']"),
@@ -201,17 +201,6 @@ class Randomization:
     def person(self, streams: Streams) -> int:
         """Returns the number of the wearer of an episode."""
         return int(streams("wearers").integers(len(self.wearers))) if self.wearers else 0
-
-
-def _range(name: str, given: object, most: float, unit: str) -> tuple[float, float]:
-    if not isinstance(given, list | tuple) or len(given) != 2:
-        raise InputError(f"{name} is {shown(given)}: give the least and the greatest, two numbers")
-    for value in given:
-        within(name, value, 0, most, unit)
-    low, high = given
-    if low > high:
-        raise InputError(f"{name} is {list(given)}: give the smaller number first")
-    return float(low), float(high)
 
 
 def _scaled(entry: SuitJoint, factor: float) -> SuitJoint:

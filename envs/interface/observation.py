@@ -21,23 +21,14 @@ from ..simulation.measurements import WIDTH
 
 @dataclass(frozen=True)
 class Part:
-    """One part of an observation.
+    """One part of an observation."""
 
-    Attributes:
-        name: Name of the part.
-        measurement: Name of the measurement that it shows.
-        limit: Largest size, at which it is clipped.
-        scale: Size that becomes 1 in a normalized observation.
-        unit: Unit of both.
-        shows: Description of the measurement.
-    """
-
-    name: str
-    measurement: str
-    limit: float
-    scale: float
-    unit: str
-    shows: str
+    name: str  # name of the part
+    measurement: str  # name of the measurement that it shows
+    limit: float  # largest size, at which it is clipped
+    scale: float  # size that becomes 1 in a normalized observation
+    unit: str  # unit of both
+    shows: str  # description of the measurement
 
 
 DEFAULT_SENSORS = ("encoders",)

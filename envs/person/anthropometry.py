@@ -79,20 +79,15 @@ class Person:
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A rigid part of the arm.
+    """A rigid part of the arm."""
 
-    Attributes:
-        length: Distance from the proximal joint center to the distal one; for the hand, to the
-            head of the third metacarpal [m].
-        mass: Mass of the segment [kg].
-        center: Distance of its mass center from the proximal joint center [m].
-        inertia: Moments of inertia about the mass center [kg·m²], about the sagittal (forward),
-            transverse (sideways: the axis of flexion) and longitudinal axis of the hanging arm.
-    """
-
+    # Distance from the proximal joint center to the distal one; for the hand, to the head of the
+    # third metacarpal [m].
     length: float
-    mass: float
-    center: float
+    mass: float  # mass of the segment [kg]
+    center: float  # distance of its mass center from the proximal joint center [m]
+    # Moments of inertia about the mass center [kg·m²], about the sagittal (forward), transverse
+    # (sideways: the axis of flexion) and longitudinal axis of the hanging arm.
     inertia: tuple[float, float, float]
 
 

@@ -58,19 +58,13 @@ class Way(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One measured curve.
+    """One measured curve."""
 
-    Attributes:
-        name: Name of the curve.
-        time: Time since the beginning of the curve [s], shape (n,).
-        angle: Angle that the encoder read [rad], shape (n,).
-        torque: Resistance, positive against positive motion [N·m], shape (n,): the reading of the
-            torque sensor, less the torque that inertia and bearings need.
-    """
-
-    name: str
-    time: Array
-    angle: Array
+    name: str  # name of the curve
+    time: Array  # time since the beginning of the curve [s], shape (n,)
+    angle: Array  # angle that the encoder read [rad], shape (n,)
+    # Resistance, positive against positive motion [N·m], shape (n,): the reading of the torque
+    # sensor, less the torque that inertia and bearings need.
     torque: Array
 
 

@@ -25,17 +25,11 @@ STIFFNESS, REST, DAMPING, LINK = 16, 17, 18, 19
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Inertial parameters of bare arms, shape (arms, ...).
+    """Inertial parameters of bare arms, shape (arms, ...)."""
 
-    Attributes:
-        links: Parameters of every link, shape (arms, 4, 19), in the columns named above.
-        gravity: Acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3).
-        down: Unit vector down in that frame, shape (arms, 3).
-    """
-
-    links: Array
-    gravity: Array
-    down: Array
+    links: Array  # parameters of every link, shape (arms, 4, 19), in the columns named above
+    gravity: Array  # acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3)
+    down: Array  # unit vector down in that frame, shape (arms, 3)
 
     @classmethod
     def of(cls, arm: mujoco.MjModel, *, dressed: bool = False) -> "Chain":

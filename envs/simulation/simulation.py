@@ -50,41 +50,26 @@ NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Start of an episode of one row.
+    """Start of an episode of one row."""
 
-    Attributes:
-        plan: Intended motion of the wearer, and loads on the hand, as `Simulation.checked` returns.
-        suit: Joints of the wearer's suit; None is the compiled one.
-        encoder_offset: Error of the encoders' zeros [rad], shape (4,).
-        payload: Load at the hand; None is that of the configuration.
-        gravity: Name of the place; None is that of the configuration.
-        wearer: Number of the wearer.
-        misalignment: Displacement of the exoskeleton from its configured position [m], shape (3,).
-        noise_scale: Factor of the noise of sensors.
-    """
-
+    # Intended motion of the wearer, and loads on the hand, as `Simulation.checked` returns.
     plan: Plan
-    suit: Mapping[str, SuitJoint] | None
-    encoder_offset: Array
-    payload: Payload | None
-    gravity: str | None
-    wearer: int
+    suit: Mapping[str, SuitJoint] | None  # joints of the wearer's suit; None is the compiled one
+    encoder_offset: Array  # error of the encoders' zeros [rad], shape (4,)
+    payload: Payload | None  # load at the hand; None is that of the configuration
+    gravity: str | None  # name of the place; None is that of the configuration
+    wearer: int  # number of the wearer
+    # Displacement of the exoskeleton from its configured position [m], shape (3,).
     misalignment: Array
-    noise_scale: float
+    noise_scale: float  # factor of the noise of sensors
 
 
 class Posture(NamedTuple):
-    """Time and pose of a row, from which its picture is drawn.
+    """Time and pose of a row, from which its picture is drawn."""
 
-    Attributes:
-        time: Simulated time [s].
-        position: Position `qpos` of the physics.
-        loaded: Whether the hand carries the task's load.
-    """
-
-    time: float
-    position: Array
-    loaded: bool
+    time: float  # simulated time [s]
+    position: Array  # position `qpos` of the physics
+    loaded: bool  # whether the hand carries the task's load
 
 
 class Simulation:

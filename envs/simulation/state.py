@@ -86,31 +86,19 @@ class State(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SimulationOptions:
-    """What the rows of a simulation have in common, beside the configuration of the arms.
+    """What the rows of a simulation have in common, beside the configuration of the arms."""
 
-    Attributes:
-        samples: Number of samples of an intention.
-        control_dt: Control period [s].
-        control: The wearer's control of the arm.
-        fatigue: Whether effort tires the wearers.
-        sensing: Noise, delay and bandwidth of sensors.
-        faults: Faults of sensors and motors.
-        variety: What may differ between rows.
-        noisy: Whether the sensors that have noise are read, which takes time.
-        carries: Whether loads change during an episode; rows then may have loads of their own.
-        learned: Whether episodes may begin with what the wearers have learned for them.
-    """
-
-    samples: int
-    control_dt: float
-    control: VoluntaryControl
-    fatigue: bool = False
-    sensing: Sensing = field(default_factory=Sensing)
-    faults: Faults = field(default_factory=Faults)
-    variety: Variety = field(default_factory=Variety)
-    noisy: bool = False
+    samples: int  # number of samples of an intention
+    control_dt: float  # control period [s]
+    control: VoluntaryControl  # the wearer's control of the arm
+    fatigue: bool = False  # whether effort tires the wearers
+    sensing: Sensing = field(default_factory=Sensing)  # noise, delay and bandwidth of sensors
+    faults: Faults = field(default_factory=Faults)  # faults of sensors and motors
+    variety: Variety = field(default_factory=Variety)  # what may differ between rows
+    noisy: bool = False  # whether the sensors that have noise are read, which takes time
+    # Whether loads change during an episode; rows then may have loads of their own.
     carries: bool = False
-    learned: bool = False
+    learned: bool = False  # whether episodes may begin with what the wearers have learned for them
 
 
 def state_of(

@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from ...checks import within
 from ...errors import InputError, shown
 from ..model.workplace import Edits
 from ..provenance import check_settings, setting
@@ -26,18 +25,13 @@ STEADY = 0.03  # [rad], error of a joint that moves the hand by 2 cm, as far as 
 
 @dataclass(frozen=True)
 class Limit:
-    """A limit of success.
+    """A limit of success."""
 
-    Attributes:
-        name: Name of a cost in `envs.interface.reward.COSTS`; or "lost", which is 1 if the arm is
-            lost, at a pole of the suit's torque, or diverged.
-        value: Greatest cost with which an episode succeeds.
-        unit: Unit of both, "1" for a ratio.
-    """
-
+    # Name of a cost in `envs.interface.reward.COSTS`; or "lost", which is 1 if the arm is lost, at
+    # a pole of the suit's torque, or diverged.
     name: str
-    value: float
-    unit: str
+    value: float  # greatest cost with which an episode succeeds
+    unit: str  # unit of both, "1" for a ratio
 
 
 TOLERANCES = {
@@ -125,7 +119,6 @@ class Task:
             dt: Time between samples [s].
             arm: The wearer's arm, which knows where the hand is.
         """
-        del arm
         return Plan(self.motion(rng, samples, dt))
 
     @property
@@ -171,18 +164,3 @@ class Task:
         """Returns class and fields as plain values."""
         kind = type(self)
         return {"task_class": f"{kind.__module__}.{kind.__qualname__}", **asdict(self)}
-
-
-def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> None:
-    """Checks a pair of numbers."""
-    if not isinstance(given, list | tuple) or len(given) != 2:
-        raise InputError(f"{name} is {shown(given)}: give two numbers")
-    for value in given:
-        within(name, value, least, LONGEST, unit)
-
-
-def check_range(name: str, given: Any, unit: str) -> None:
-    """Checks a least and a greatest number of 0 or more."""
-    check_pair(name, given, unit, least=0.0)
-    if given[0] > given[1]:
-        raise InputError(f"{name} is {shown(given)}: give the smaller number first")

@@ -57,7 +57,7 @@ OPTIONS = [
     ({"randomize": {"size": 2}}, "unknown field of randomize 'size'"),
     ({"randomize": {"gravity": ["sun"]}}, "unknown place in randomize.gravity 'sun'"),
     ({"randomize": {"gravity": "moon"}}, "randomize.gravity is 'moon': give a list"),
-    ({"randomize": {"payload": 3}}, "randomize.payload is 3: give the least and the greatest"),
+    ({"randomize": {"payload": 3}}, "randomize.payload is 3: give two numbers"),
     ({"randomize": {"payload": [3, 1]}}, r"payload is \[3, 1\]: give the smaller number first"),
     ({"randomize": {"payload": [0, 99]}}, "payload is 99: use a number from 0 to 60 kg"),
     ({"randomize": {"pressure": "much"}}, "randomize.pressure is 'much'"),
