@@ -166,15 +166,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / self.control_dt)}
         self.render_mode = render_mode
-        self.renderer = ArmRenderer(
-            self.config,
-            edits=self.episodes.task.edits,
-            camera=camera,
-            width=width,
-            height=height,
-            quality=render_quality,
-            picture_dt=picture_dt,
-        )
+        look = camera, width, height, render_quality, picture_dt
+        self.renderer = ArmRenderer(self.config, task.edits, *look)
         self._data: mujoco.MjData | None = None
         self.layout = self.episodes.observer.layout
         self.observation_space = self.episodes.observer.space
@@ -187,10 +180,12 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode with a new intention; the suit's memory begins at its start angle.
 
-        There are no `options`: each one raises an error.
+        There are no options: any content of `options` raises an InputError.
         """
         if options is not None and options != {}:
-            raise InputError(f"reset got the options {shown(options)}: it knows none; leave it out")
+            raise InputError(
+                f"reset got the options {shown(options)}: there are no such options; leave them out"
+            )
         if seed is not None:
             seed = checked_seed(seed)
         super().reset(seed=seed)
@@ -229,11 +224,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self.renderer.close()
 
     def rows(self, count: int, **options: Any) -> ArmVectorEnv:
-        """Returns a vector environment of the same task, with the same options.
+        """Returns a vector environment of the same task and options, with `count` rows.
 
-        Args:
-            count: Number of rows.
-            **options: Further options of `ArmVectorEnv`, such as `threads`.
+        Further options are those of `ArmVectorEnv`, such as `threads`.
         """
         return ArmVectorEnv(count, self.episodes.task, **{**self._options, **options})
 
@@ -249,10 +242,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         return self.episodes.state(ROW)
 
     def set_state(self, state: dict[str, Any]) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Restores a state of `get_state`; the episode then continues bit for bit.
+        """Restores a state of `get_state`; returns the observation and info of that moment.
 
-        Returns:
-            The observation and info of that moment.
+        The episode then continues bit for bit.
         """
         self.episodes.restore(ROW, state)
         self.renderer.forget()
@@ -267,7 +259,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     @property
     def data(self) -> mujoco.MjData:
-        """The physics of this instant, for reading: what is written here changes nothing."""
+        """The physics of this instant, for reading: a change of this copy changes nothing."""
         self._data = self.episodes.simulation.data(0, self._data)
         return self._data
 

@@ -155,16 +155,13 @@ class Episodes:
         stagger: bool = False,
         learned: Mapping[str, Array] | None = None,
     ) -> None:
-        """Begins new episodes in some rows.
+        """Begins new episodes in some rows, shape (k,).
 
-        Args:
-            rows: The rows, shape (k,).
-            seeds: Seed of each of them; None keeps the seed of the row.
-            stagger: Whether the episodes end at random times, so that later ones do not all begin
-                together.
-            learned: What the wearers have learned [N·m], shape (k, samples, 4) each:
-                `learned_torque`, added to that of their bare arms, and `learned_contraction`,
-                beyond the usual one.
+        `seeds` has a seed for each of these rows; None keeps the seed of the row. With `stagger`,
+        the episodes end at random times, so that later episodes do not all begin together.
+        `learned` has what the wearers have learned [N·m], shape (k, samples, 4) each:
+        `learned_torque`, added to that of their bare arms, and `learned_contraction`, beyond the
+        usual co-contraction.
         """
         episode = self._counters
         next_gains = self.simulation.state.wearer.learning.next_gains
@@ -194,16 +191,14 @@ class Episodes:
         self._judge.begin(rows)
 
     def require_reset(self, what: str) -> None:
-        """Refuses what needs an episode in every row, before the first reset."""
+        """Raises an InputError if a row has had no reset yet; `what` is the name of the call."""
         if (self._counters.episode < 0).any():
             raise InputError(f"{what} before the first reset: call reset() first")
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
-        """Applies actions for one control period.
+        """Applies actions for one control period, in all rows or in those that `rows` names.
 
-        Args:
-            action: Torque of the motors over their peaks, shape (n, motors).
-            rows: The rows that move; by default all.
+        `action` is the torque of the motors over their peaks, shape (n, motors).
         """
         self._move(checked(action, (self.n, self.motors), rows), rows)
 
@@ -275,7 +270,7 @@ class Episodes:
         return {"config": self.identity(), **self._arrays(rows)}
 
     def restore(self, rows: Rows, state: Any) -> None:
-        """Restores what `state` returned, also in other rows; they then continue bit for bit."""
+        """Restores the result of `state`, also in other rows, which then continue bit for bit."""
         bounds = self.simulation.bounds
         check_state(state, self.identity(), self._arrays(rows), bounds, self.simulation.model)
         self._restore(rows, state)
@@ -321,7 +316,7 @@ class Episodes:
             self.reward[moving] = self.setup.reward(*self._rewarded(moving))
 
     def _rewarded(self, rows: Rows) -> tuple[dict[str, Array], dict[str, NDArray]]:
-        """Returns what a reward of a user's own is given; see `OwnReward`."""
+        """Returns the arguments of a reward of the user; see `OwnReward`."""
         terms = {name: self.terms[rows, i] for i, name in enumerate(TERMS)}
         columns = self.simulation.columns.items()
         measured = {name: self._measured[rows, part] for name, part in columns}
@@ -331,8 +326,9 @@ class Episodes:
     def tolerated(self) -> Array:
         """Returns the errors of joints that the task tolerates [rad], shape (n, samples, 4).
 
-        They are its limit, which holds in the mean of time; where the hand is watched, where every
-        error counts, half of what moves the hand to its limit.
+        The errors are the limit of the task, which holds in the mean over time. Where the hand is
+        watched, every error counts: there the tolerated error is at most half of the error that
+        moves the hand to its limit.
         """
         simulation = self.simulation
         found = np.full((self.n, simulation.samples, len(JOINTS)), self.task.tracking)
@@ -379,7 +375,7 @@ class Episodes:
 
 
 def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None) -> Array:
-    """Returns actions as an array of that shape, finite in the rows that move."""
+    """Returns actions as an array of the given shape, finite in the rows that move."""
     try:
         given = np.asarray(action)
     except ValueError:  # lists of several lengths
@@ -403,7 +399,7 @@ def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None)
 
 
 def checked_seed(seed: Any) -> int:
-    """Returns a seed."""
+    """Returns the seed as an int; raises an InputError unless it is a whole number in range."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise InputError(f"seed is {shown(seed)}: give a whole number of at least 0, or None")
     if not 0 <= seed <= HIGHEST_SEED:

@@ -27,34 +27,44 @@ STANDARD = "standard"  # convention under which costs are compared
 
 
 class Scored(NamedTuple):
-    """What motions of one policy cost."""
+    """What motions of one policy cost.
 
-    # Costs by name and by convention, with one value per motion; NaN where a motion has none.
-    # Conventions are choices that nobody can settle: relief comes with its range over them, and the
-    # one that counts is "standard".
+    Attributes:
+        costs: Costs by name and by convention, with one value per motion; NaN where a motion has
+            none. Conventions are choices that nobody can settle: relief comes with its range over
+            them, and the one that counts is "standard".
+        facts: Other numbers about all motions, alone or by name.
+    """
+
     costs: dict[str, dict[str, tuple[float, ...]]]
-    facts: dict[str, float | dict[str, float]]  # other numbers about all motions, alone or by name
+    facts: dict[str, float | dict[str, float]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """A score of motions beside effort."""
+    """A score of motions beside effort.
 
-    # Function that raises InputError where the extra is not complete, or motions of a simulated arm
-    # cannot be scored.
+    Attributes:
+        check: Function that raises InputError where the extra is not complete, or motions of a
+            simulated arm cannot be scored.
+        scored: Function of the motions of one policy, a sequence of `Trace`, with the keywords
+            `threads`, where 0 is all cores, and `on_motion`, a function to call after each motion.
+        least: Least cost of a suit for relief to have a meaning, by the name of a cost.
+        units: Units of costs and facts by name, "1" for a ratio.
+        text: Explanation of the costs and facts, in Markdown.
+        limits: Facts that limit a score: the value from which on that is said, and the sentence.
+        figure: Function that draws some motions, by the name of each; None for no figure.
+        packages: Names of the packages whose versions change costs.
+    """
+
     check: "Callable[[Simulation], None]"
-    # Function of the motions of one policy, a sequence of `Trace`, with the keywords `threads`,
-    # where 0 is all cores, and `on_motion`, a function to call after each motion.
     scored: Callable[..., Scored]
-    # Least cost of a suit for relief to have a meaning, by the name of a cost.
     least: Mapping[str, float]
-    units: Mapping[str, str]  # units of costs and facts by name, "1" for a ratio
-    text: str  # explanation of the costs and facts, in Markdown
-    # Facts that limit a score: the value from which on that is said, and the sentence.
+    units: Mapping[str, str]
+    text: str
     limits: Mapping[str, tuple[float, str]] = field(default_factory=dict)
-    # Function that draws some motions, by the name of each; None for no figure.
     figure: "Callable[[Mapping[str, Trace]], Figure] | None" = None
-    packages: tuple[str, ...] = ()  # names of the packages whose versions change costs
+    packages: tuple[str, ...] = ()
 
 
 class Registry(Generic[Extra]):

@@ -49,11 +49,7 @@ class Plant:
 
     @classmethod
     def of(cls, episodes: Episodes) -> "Plant":
-        """Returns what a controller may know of the arms of an environment.
-
-        Args:
-            episodes: Episodes of the environment, `env.episodes`.
-        """
+        """Returns what a controller may know of the arms of an environment, from `env.episodes`."""
         simulation, observer = episodes.simulation, episodes.observer
         return cls(
             layout=dict(observer.layout),
@@ -70,11 +66,7 @@ class Plant:
         )
 
     def believed(self, belief: Belief | None = None) -> BelievedArm:
-        """Returns the arm that a controller believes in.
-
-        Args:
-            belief: What differs from `config`.
-        """
+        """Returns the arm that a controller believes in; `belief` replaces parts of `config`."""
         return BelievedArm(self.config, self.edits, self.dt, belief)
 
     def __getattr__(self, name: str) -> Any:

@@ -97,8 +97,7 @@ class ArmRenderer:
     def __init__(
         self,
         config: ArmConfig,
-        edits: Edits | None = None,
-        *,
+        edits: Edits | None,
         camera: str,
         width: int,
         height: int,

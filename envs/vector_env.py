@@ -119,14 +119,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
-        self.renderer = ArmRenderer(
-            simulation.config,
-            self.episodes.task.edits,
-            camera=camera,
-            width=width,
-            height=height,
-            quality=render_quality,
-        )
+        look = camera, width, height, render_quality
+        self.renderer = ArmRenderer(simulation.config, task.edits, *look)
         self.layout = self.episodes.observer.layout
         self.single_observation_space = self.episodes.observer.space
         motors = (self.episodes.motors,)
@@ -229,25 +223,17 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     # --- State --------------------------------------------------------------------------------
 
     def get_state(self, rows: Sequence[int] | None = None) -> dict[str, Any]:
-        """Returns the whole state of some rows, as `ArmEnv.get_state` does of one.
-
-        Args:
-            rows: The rows; by default all.
-        """
+        """Returns the whole state of some rows, by default all; see `ArmEnv.get_state`."""
         self.episodes.require_reset("get_state")
         return self.episodes.state(self._checked_rows(rows))
 
     def set_state(
         self, state: dict[str, Any], rows: Sequence[int] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Restores a state in as many rows, which may be others than those that were saved.
+        """Restores a state in as many rows; returns the observations of all rows, and info.
 
-        Args:
-            state: What `get_state` returned, of an `ArmEnv` too.
-            rows: The rows; by default all.
-
-        Returns:
-            The observations of all rows, and info.
+        The state is a result of `get_state`, also of an `ArmEnv`. By default all rows are restored;
+        `rows` may be others than the saved rows.
         """
         chosen = self._checked_rows(rows)
         self.episodes.restore(chosen, state)
@@ -266,8 +252,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         unknown = [name for name in options if name not in (MASK, *LEARNED)]
         if unknown:
             raise InputError(
-                f"reset got the options {shown(unknown)}: it knows {MASK!r}, {LEARNED[0]!r} and "
-                f"{LEARNED[1]!r} only; leave them out"
+                f"reset got the options {shown(unknown)}: use {MASK!r}, {LEARNED[0]!r} and "
+                f"{LEARNED[1]!r} only"
             )
         mask = options.get(MASK)
         if mask is None:
@@ -351,10 +337,10 @@ def _with_masks(values: dict[str, Any], mask: Bools) -> dict[str, Any]:
 
 
 def _usual_threads() -> int:
-    """Returns OMP_NUM_THREADS if it is a number, and otherwise 0, which takes all cores.
+    """Returns OMP_NUM_THREADS, which users set who run several processes; 0, all cores, if unset.
 
     The threads of a batch wait for each other at every step, which takes long if other processes
-    use the cores too. Users who run several processes set that variable for all libraries.
+    use the cores too.
     """
     given = os.environ.get("OMP_NUM_THREADS", "")
     return min(int(given), MOST_THREADS) if given.isdecimal() else 0

@@ -10,7 +10,7 @@ from ...assets import AnySuit, SuitJoint
 from ...errors import InputError
 from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
 from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
-from ..model.encoders import count_of
+from ..model.exoskeleton import count_of
 from ..model.workplace import Edits
 from ..person import Person
 from ..provenance import check_settings, setting
@@ -42,11 +42,7 @@ class Belief:
         check_settings(self, "the believed ")
 
     def of(self, config: ArmConfig) -> ArmConfig:
-        """Returns the configuration of the believed arm.
-
-        Args:
-            config: Configuration of the simulated arms.
-        """
+        """Returns the configuration of the believed arm, from that of the simulated arms."""
         changes: dict[str, Any] = {}
         if self.suit is not None:
             changes |= {"suit": self.suit, "pressure": None}

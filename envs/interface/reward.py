@@ -62,11 +62,11 @@ EVERY = 5  # samples between those that `suited_effort` uses
 
 
 def suited_effort(simulation: Simulation, plans: Sequence[Plan]) -> float:
-    """Returns the effort that motions take in the suit and without an exoskeleton.
+    """Returns the effort of motions in the suit and without an exoskeleton.
 
-    That is the root mean square over time and four joints of the torque of inverse dynamics and the
-    usual co-contraction over the strength of a still joint. It includes weight and inertia of the
-    load in the hand.
+    The effort is the root mean square, over time and four joints, of the torque of inverse dynamics
+    and the usual co-contraction over the strength of a still joint. Weight and inertia of the load
+    in the hand are part of the torque.
     """
     wearer, dt, squares = simulation.config.wearer, simulation.control_dt, []
     chain, arm = Chain.of(simulation.model, dressed=True), simulation.arm_of(0)
@@ -264,8 +264,8 @@ def account(row: int, dt: float, change: Array, measured: Array, score: Score) -
 def cost_terms(costs: Array, periods: Any) -> dict[str, Any]:
     """Returns the costs of one or more episodes by name; see `COST_MEANINGS`.
 
-    Costs have the shape (13,) for one episode and (n, 13) for several, and so has the number of
-    control periods since the reset, () or (n,).
+    Costs have the shape (13,) for one episode and (n, 13) for several; `periods`, the control
+    periods since the reset, has the shape () or (n,).
     """
     squares = costs[..., [STRAIN, *range(JOINT, WIDTH)]] / np.maximum(1, periods)[..., None]
     effort, joints = np.sqrt(squares[..., 0]), np.sqrt(squares[..., 1:])

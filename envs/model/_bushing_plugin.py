@@ -82,19 +82,19 @@ def triple(values, first):
 
 @njit(inline="always")
 def column(R, i):
-    """Returns the axis number i of a frame."""
+    """Returns axis number i of the frame R."""
     return R[i], R[3 + i], R[6 + i]
 
 
 @njit(inline="always")
 def into(R, a):
-    """Returns R^T a: a vector of the world in the axes of a frame."""
+    """Returns R^T a: the vector a of the world, in the axes of the frame R."""
     return dot(column(R, 0), a), dot(column(R, 1), a), dot(column(R, 2), a)
 
 
 @njit(inline="always")
 def out_of(R, a):
-    """Returns R a: a vector of a frame in the axes of the world."""
+    """Returns R a: the vector a of the frame R, in the axes of the world."""
     return dot(triple(R, 0), a), dot(triple(R, 3), a), dot(triple(R, 6), a)
 
 
@@ -265,14 +265,14 @@ def site_frame(d, site, at):
 
 @njit(cache=True)
 def lever(m, d, body, point, at):
-    """Returns the vector to a point from the reference point of a body's motion (cvel, cdof)."""
+    """Returns the vector from the reference point of a body's motion (cvel, cdof) to a point."""
     root = int32_at(pointer_at(m + at.m_body_rootid), body)
     return subtract(point, triple(doubles(pointer_at(d + at.d_subtree_com) + 24 * root, 3), 0))
 
 
 @njit(cache=True)
 def motion_at(m, d, body, point, at):
-    """Returns angular velocity of a body and velocity of its material at a point of the world."""
+    """Returns angular velocity of a body, and velocity of the body at a point of the world."""
     velocity = doubles(pointer_at(d + at.d_cvel) + 48 * body, 6)
     spin = triple(velocity, 0)
     return spin, add(triple(velocity, 3), cross(spin, lever(m, d, body, point, at)))

@@ -81,25 +81,18 @@ def attach_bushing(
     *,
     sensors: bool = True,
 ) -> None:
-    """Connects two bodies by a bushing.
+    """Connects two bodies by a bushing, in place.
 
-    The forces appear in `qfrc_passive`, under every integrator and in every batch. The parameters
-    are part of the simulation's state (see `replace_bushing`).
+    The two sites are on different bodies, and the axes of the bushing are those of `exo_site`. The
+    forces appear in `qfrc_passive`, under every integrator and in every batch. The parameters are
+    part of the simulation's state (see `replace_bushing`).
 
-    With `sensors`, three are added, in the axes of the exoskeleton's site: `<name>_force` and
-    `<name>_torque`, which act on the limb at its site [N, N·m], and `<name>_energy`, stored in the
-    springs [J], which MuJoCo's own potential energy leaves out.
+    With `sensors`, three sensors are added, in the axes of the exoskeleton's site: `<name>_force`
+    and `<name>_torque`, which act on the limb at its site [N, N·m], and `<name>_energy`, stored in
+    the springs [J], which MuJoCo's own potential energy leaves out.
 
-    Compose first, attach last: when a spec is attached to another one under a name prefix, MuJoCo
-    renames its sites, but not the sites in the plugin's config.
-
-    Args:
-        spec: Any model specification; it is changed in place.
-        name: Unique name of the new plugin instance.
-        limb_site: Name of a site on the one body.
-        exo_site: Name of a site on the other body, whose axes are those of the bushing.
-        bushing: Springs and dampers of the bushing.
-        sensors: Whether to add the three sensors.
+    Compose first, attach last: when a spec is attached to another spec under a name prefix, MuJoCo
+    renames the sites, but not the sites in the plugin's config.
     """
     sites = {site.name: site for site in spec.sites}
     for site in (limb_site, exo_site):
@@ -125,16 +118,10 @@ def attach_bushing(
 def replace_bushing(
     mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], name: str, bushing: Bushing
 ) -> None:
-    """Gives one simulation another bushing, as in a batch of cuffs strapped on differently.
+    """Gives one simulation another bushing, for example cuffs that are strapped on differently.
 
-    A reset restores the bushing of the compiled model.
-
-    Args:
-        mj_model: Compiled model.
-        plugin_state: Array `data.plugin_state`, or one simulation's row of a batch; it is changed
-            in place.
-        name: Name of the bushing.
-        bushing: New springs and dampers.
+    `plugin_state` is `data.plugin_state`, or the row of one simulation of a batch, and is changed
+    in place. A reset restores the bushing of the compiled model.
     """
     _parameters(mj_model, plugin_state, name)[:] = bushing.parameter_vector
 

@@ -63,7 +63,7 @@ class Payload:
 
     @property
     def moments(self) -> tuple[float, float, float]:
-        """Moments of inertia of the load, as given or those of the sphere [kg·m²]."""
+        """Moments of inertia [kg·m²]: `inertia` if it is given, or else those of the sphere."""
         ball = 0.4 * self.mass * self.radius**2
         return self.inertia or (ball, ball, ball)
 
@@ -176,7 +176,7 @@ _NESTED = {"wearer": Person(), "exo": Exo(), "payload": Payload()}
 
 
 def nested(name: str, value: Any, default: Config) -> Config:
-    """Returns `value`; if it is a dict, returns `default` with the fields in it replaced."""
+    """Returns `value`, or `default` with the fields that `value` replaces if `value` is a dict."""
     if isinstance(value, type(default)):
         return value
     if isinstance(value, Mapping):

@@ -101,19 +101,11 @@ ELBOW_MOTOR = Motor(
 def thermal_step(
     mean_square: ArrayLike, torque: ArrayLike, *, time_constant: ArrayLike, dt: float
 ) -> Array:
-    """Advances the running mean square of motors' torques, which heats their windings.
+    """Advances the running mean square of motors' torques [N²·m²], which heats their windings.
 
     A motor is overloaded while the root of the result exceeds its continuous torque. The result is
-    exact for a torque that is constant during `dt`.
-
-    Args:
-        mean_square: Mean square at the beginning [N²·m²], any shape.
-        torque: Torque during `dt` [N·m], same shape.
-        time_constant: Thermal time constant of the windings [s].
-        dt: Duration [s].
-
-    Returns:
-        The mean square at the end [N²·m²].
+    exact for a `torque` [N·m] that is constant during `dt` [s]; `time_constant` is that of the
+    windings [s].
     """
     return ufunc_of(heated)(mean_square, torque, time_constant, dt)
 

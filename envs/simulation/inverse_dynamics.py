@@ -33,11 +33,9 @@ class Chain:
 
     @classmethod
     def of(cls, arm: mujoco.MjModel, *, dressed: bool = False) -> "Chain":
-        """Returns the chain of one arm.
+        """Returns the chain of one arm, from a model such as that of `bare_arm`.
 
-        Args:
-            arm: Model of an arm, such as that of `bare_arm`.
-            dressed: Whether the links include suit and load; they never include an exoskeleton.
+        With `dressed`, the links include suit and load; they never include an exoskeleton.
         """
         joints = [arm.joint(joint).id for joint in JOINTS]
         bodies = arm.jnt_bodyid[joints]

@@ -70,25 +70,24 @@ class Arm:
         return self.chain.gravity[0] @ self._axes
 
     def places(self, angle: Array) -> Array:
-        """Returns where the grip is [m], shape (samples, 3).
+        """Returns the places of the grip [m], shape (samples, 3).
 
-        Args:
-            angle: Joint angles [rad], shape (samples, 4).
+        The joint angles [rad] have the shape (samples, 4).
         """
         return self.in_torso(angle) @ self._axes - self._shoulder
 
     def in_torso(self, angle: Array) -> Array:
-        """Returns where the grip is in the frame of the torso [m], shape (samples, 3)."""
+        """Returns the places of the grip in the frame of the torso [m], shape (samples, 3)."""
         found = np.empty((len(angle), 3))
         hand_places(self.chain.links[0], self.grip, np.ascontiguousarray(angle), found)
         return found
 
     def in_world(self, angle: Array) -> Array:
-        """Returns where the grip is in the world [m], shape (samples, 3)."""
+        """Returns the places of the grip in the world [m], shape (samples, 3)."""
         return self.torso + self.in_torso(angle) @ self.turn.T
 
     def from_shoulder(self, places: Array) -> Array:
-        """Returns where places relative to the shoulder are in the world [m], the same shape."""
+        """Returns places relative to the shoulder as places in the world [m], the same shape."""
         return self.torso + (places + self._shoulder) @ self._axes @ self.turn.T
 
     def postures(self, places: Array, start: Array) -> Array:
@@ -118,8 +117,8 @@ class Arm:
     def torque_of(self, angle: Array, force: Array) -> Array:
         """Returns the joint torques that withstand forces on the grip [N·m], shape (samples, 4).
 
-        That is minus J'F with the grip's Jacobian J and forces F forward, outward and up [N], shape
-        (samples, 3).
+        The torque is -J'F, with the Jacobian J of the grip and the forces F forward, outward and up
+        [N], shape (samples, 3).
         """
         found = np.empty((len(angle), len(JOINTS)))
         withstanding(

@@ -140,18 +140,16 @@ class Simulation:
     def begin(
         self, rows: Rows, start_of: Callable[[int], Start], learned: Mapping[str, Array]
     ) -> None:
-        """Begins an episode in some rows: rested wearers hold their first intended posture.
+        """Begins an episode in some rows, shape (k,), with rested wearers at their first posture.
 
-        The posture is in equilibrium: the slow correction starts at the torque that the
-        feed-forward torque lacks. Strength does not limit it there: a wearer who is too weak drops
+        `start_of` returns the start of the episode of a row. `learned` has what the wearers have
+        learned [N·m], shape (k, samples, 4) each, by the names of `Intention`. Seeds and numbers of
+        the episodes must be in `state` before the call.
+
+        The posture is in equilibrium: the slow correction starts at the torque that the feed-
+        forward torque lacks. Strength does not limit this torque: a wearer who is too weak drops
         the arm afterwards. Motors begin without torque; see `cycle.drive` for the first control
-        period. Seeds and numbers of the episodes must be in `state` before the call.
-
-        Args:
-            rows: The rows, shape (k,).
-            start_of: Function that returns the start of the episode of a row.
-            learned: What the wearers have learned [N·m], shape (k, samples, 4) each, by the names
-                of `Intention`.
+        period.
         """
         learning = self.state.wearer.learning
         for values in self._cleared:
@@ -174,12 +172,10 @@ class Simulation:
             self._injector.begin(rows)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
-        """Moves some rows by one control period.
+        """Moves some rows, by default all, by one control period.
 
-        Args:
-            action: Torque of the motors over their peaks, finite, shape (n, motors); values beyond
-                [-1, 1] are clipped and counted.
-            rows: The rows that move; by default all.
+        `action` is the torque of the motors over their peaks, finite, shape (n, motors); values
+        beyond [-1, 1] are clipped and counted.
         """
         if self._pid is not None and os.getpid() != self._pid:
             raise InputError(

@@ -14,7 +14,7 @@ from ...arrays import Array
 from ...checks import HIGHEST_SEED
 from ...errors import InputError, shown
 from ..model import ArmConfig
-from ..model.encoders import count_of
+from ..model.exoskeleton import count_of
 from ..person import VoluntaryControl
 from ..person.control import noise_constants, sight_periods
 from .faults import RECEPTION, Faults
@@ -46,9 +46,9 @@ from .wearer_control import FEATURES
 def stream(seed: int, episode: int, purpose: str, part: int = 0) -> np.random.Generator:
     """Returns the generator of one purpose, such as "motion", in one episode of a seed.
 
-    Draws for one purpose do not change those for another, nor those of other rows of a vector
-    environment, in whatever order they are made. `part` is the number of the stretch of the
-    episode, for series that are drawn in stretches.
+    Draws for one purpose do not change the draws for another purpose, nor those of other rows of a
+    vector environment, in whatever order the draws are made. `part` is the number of the stretch of
+    the episode, for series that are drawn in stretches.
     """
     return np.random.default_rng((seed, episode, zlib.crc32(purpose.encode()), part))
 
@@ -60,14 +60,14 @@ def fresh_seed() -> int:
 
 STRETCH = 64  # control periods for which random numbers are drawn at once
 KEPT = ("seed", "episode", "limit", "angle", "rate", "acceleration", "next_gains")
-"""Arrays of the state that the next episode takes over, or overwrites whole."""
+"""Arrays of the state that the next episode keeps, or overwrites as a whole."""
 
 
 PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observation
 
 
 class State(NamedTuple):
-    """Everything about the rows that is not in the physics."""
+    """State of the rows outside the physics."""
 
     episode: Episode
     conditions: Conditions
@@ -80,7 +80,7 @@ class State(NamedTuple):
     reception: Reception
 
     def arrays(self) -> dict[str, NDArray]:
-        """Returns the arrays of the state themselves, by name, without constants and scratch."""
+        """Returns the arrays of the state by name, not copied, without constants and scratch."""
         return {name: values for name, (values, _) in saved(self).items()}
 
 
@@ -116,23 +116,21 @@ def state_of(
     samples, dt, noisy = options.samples, options.control_dt, options.noisy
     chain, strength, impedance = arm
     fails, varies = faults != Faults(), control.noise > 0 or control.tremor > 0
-    motors = dict([*config.exo.motors.items()][: at.motors.size])
+    motors = dict([*config.exo.motors.items()][: at.motors.size])  # none without an exoskeleton
     heat = [(one.continuous_torque, one.thermal_time_constant) for one in motors.values()]
     stopped = [faults.since if joint in faults.stopped else math.inf for joint in motors]
     sizes = {
+        **{"n": n, "samples": samples, "motors": len(motors), "features": FEATURES},
+        **{"measurements": WIDTH, "noises": NOISES, "sight": sight_periods(dt)},
+        **{"reflex_delay": round(control.delay / dt), "gains": FEATURES if control.learns else 0},
         **{
-            "n": n,
-            "samples": samples,
             "learned": samples if options.learned else 0,
-            "motors": len(motors),
+            "pushes": samples if at.pushes.size else 0,
         },
-        **{"masses": samples if options.carries else 0, "pushes": samples if at.pushes.size else 0},
-        **{"features": FEATURES, "gains": FEATURES if control.learns else 0},
-        **{"reflex_delay": round(control.delay / dt), "sight": sight_periods(dt)},
-        **{"muscle_draws": STRETCH if varies else 0, "sensor_draws": STRETCH if noisy else 0},
+        **{"masses": samples if options.carries else 0, "muscle_draws": STRETCH if varies else 0},
+        **{"sensor_draws": STRETCH if noisy else 0, "fault_draws": STRETCH if fails else 0},
+        "received": RECEPTION.size if fails else 0,
         "interaction_delay": 1 + (round(sensing.interaction_delay / dt) if noisy else 0),
-        **{"fault_draws": STRETCH if fails else 0, "received": RECEPTION.size if fails else 0},
-        **{"measurements": WIDTH, "noises": NOISES},
     }
     state = State(
         episode=allocated(Episode, sizes, dt=dt),
@@ -187,7 +185,7 @@ def state_of(
     return state
 
 
-PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
+PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # everything that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
 
 
@@ -198,10 +196,10 @@ def check_state(
     bounds: dict[str, tuple[float, float]],
     model: mujoco.MjModel,
 ) -> None:
-    """Checks that a state that a user gave came from an identically configured environment.
+    """Checks a state that a user gave: it must be of an identically configured environment.
 
-    `config` and `present` are configuration and state of the rows to restore, and `bounds` the
-    lowest and highest number of arrays, where they are narrower than LARGEST.
+    `config` and `present` are configuration and state of the rows to restore. `bounds` are the
+    lowest and highest number of arrays whose range is narrower than LARGEST.
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
@@ -236,7 +234,7 @@ def check_state(
 
 def _check_config(saved: Any, own: dict[str, Any]) -> None:
     if not isinstance(saved, dict) or saved.keys() != own.keys():
-        raise InputError(f"the state's config is {shown(saved)}: give that of get_state")
+        raise InputError(f"the state's config is {shown(saved)}: give the config of get_state")
     differing = list(_differences("", saved, own))
     if differing:
         there, here = (
@@ -244,15 +242,15 @@ def _check_config(saved: Any, own: dict[str, Any]) -> None:
             for side in range(2)
         )
         raise InputError(
-            f"the state is of an environment with {there}, and this one has {here}: make it with "
-            "the same options"
+            f"the state is of an environment with {there}, and this environment has {here}: make "
+            "both with the same options"
         )
 
 
 def _differences(
     where: str, saved: dict[str, Any], own: dict[str, Any]
 ) -> Iterator[tuple[str, Any, Any]]:
-    """Yields the name of each option that differs, also within others, and both values."""
+    """Yields the name of each option that differs, also of nested options, and both values."""
     for name, value in own.items():
         there = saved[name]
         if isinstance(there, dict) and isinstance(value, dict) and there.keys() == value.keys():

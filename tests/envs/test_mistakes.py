@@ -47,7 +47,7 @@ OPTIONS = [
     ({"history": 0}, "history is 0: use a whole number from 1 to 1000"),
     ({"sensing": {"emg_noise": 2}}, "sensing.emg_noise is 2: use a number from 0 to 1"),
     ({"sensing": {"encoder_noise": 0.01}}, "sensing 'encoder_noise': .* 'exo.encoder_bits'"),
-    ({"belief": {}}, r"belief is \{\}, and sensors is \['encoders'\]: add 'belief' to them"),
+    ({"belief": {}}, r"belief is \{\}, and sensors is \['encoders'\]: add 'belief' to sensors"),
     ({"sensors": BELIEF, "belief": {"suite": 1}}, "unknown field of belief 'suite'"),
     ({"sensors": BELIEF, "belief": 3}, r"belief is 3: give ArmConfig\(...\) or a dict"),
     # What differs between episodes.
@@ -128,7 +128,7 @@ def test_what_is_no_action_is_refused_and_changes_nothing(env):
 def test_resets_that_cannot_be_change_nothing(env, arms):
     env.reset(seed=0)
     state = env.get_state()
-    known = r"reset got the options .*: it knows none; leave"
+    known = r"reset got the options .*: there are no such options"
     junk = [(5, known), ({"seed": 1}, known), ({"x": [0] * 5000}, known), ({"mask": 1}, known)]
     assert_refused(lambda options: env.reset(seed=5, options=options), junk)
     again = env.get_state()
@@ -139,7 +139,7 @@ def test_resets_that_cannot_be_change_nothing(env, arms):
     learned = np.zeros((3, 11, 4))
     rows = [
         ([], r"the options \[\]: give a dict"),
-        ({"mask": None}, r"reset got the options \['mask'\]: it knows 'reset_mask'"),
+        ({"mask": None}, r"reset got the options \['mask'\]: use 'reset_mask'"),
         ({"reset_mask": [True] * 3}, "reset_mask is .*: give an array of 3 booleans"),
         ({"reset_mask": np.ones(2, bool)}, "reset_mask is .*: give an array of 3 booleans"),
         ({"reset_mask": np.zeros(3, bool)}, "reset_mask names no row: set at least one"),

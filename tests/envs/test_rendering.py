@@ -57,7 +57,7 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
 
     monkeypatch.setattr(mujoco, "Renderer", fail)
     monkeypatch.setattr(ArmRenderer, "_unavailable", None)
-    renderer = ArmRenderer(ArmConfig(), camera="front", width=64, height=48)
+    renderer = ArmRenderer(ArmConfig(), None, "front", 64, 48)
     posture = env.episodes.simulation.posture_of(0)
     # No second attempt: it could abort the process.
     assert_refused(renderer.picture, [(posture, "MUJOCO_GL=egl"), (posture, "no display")])
