@@ -109,12 +109,12 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     the joint will be when the motors have answered. Angles, cuff forces and suit torques are those
     of this instant; the torques of motors and wearer are those of the last physics step.
 
-    `info` contains what no sensor measures: angle, rate and target_angle of the arm, human_torque,
-    suit_torque and assist_torque, energies, effort (torque over the strength of a still joint);
-    with an exoskeleton motor_load, the running root mean square of the motors' torque over the
-    continuous one; with cuffs cuff_force [N]; with `fatigue` the fatigued part of every muscle
-    group, (2, 4): extensors and flexors. It is computed when it is read. "is_success" says whether
-    the episode is a success so far.
+    `info` contains quantities that no sensor measures: angle, rate and target_angle of the arm,
+    human_torque, suit_torque and assist_torque, energies, effort (torque over the strength of a
+    still joint); with an exoskeleton motor_load, the running root mean square of the motors' torque
+    over their continuous torque; with cuffs cuff_force [N]; with `fatigue` the fatigued part of
+    every muscle group, (2, 4): extensors and flexors. "is_success" says whether the episode is a
+    success so far. The content is computed when it is read.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
     more than 1 rad from the intention, or at a pole of the suit's torque, or diverged. Where MuJoCo
@@ -129,12 +129,13 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         height: Height of the picture [pixels].
         render_quality: Quality of pictures: "fast", which needs no graphics card, or "fine", with
             shadows, smooth edges and reflections.
-        picture_dt: Simulated time between new pictures [s], in which `render` returns the last one
-            again; 0 draws each anew. A recorder calls `render` after every step: with 0.04 it gets
-            25 new pictures a second, and its film still plays in real time.
+        picture_dt: Simulated time between new pictures [s], in which `render` returns the last
+            picture again; 0 draws each picture anew. A recorder calls `render` after every step:
+            with 0.04 the recorder gets 25 new pictures a second, and the film still plays in real
+            time.
         **options: Options of the environment: sensors, control_dt, control, level, randomize and
             others, as in `Setup`; and suit, gravity, coupling, wearer and others, as in
-            `ArmConfig`. Give nested ones as dicts if you need `EnvSpec.to_json`.
+            `ArmConfig`. Give nested options as dicts if you need `EnvSpec.to_json`.
 
     Attributes:
         episodes: Episodes of the task, with the simulated arm and its sensors.

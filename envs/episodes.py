@@ -8,9 +8,9 @@
     >>> episodes.observe().shape, episodes.truncated.tolist()
     ((2, 12), [False, False])
 
-Environments are thin faces of this: `reset` of some rows, `step`, and the state of rows in mid
-task. A row is the same to the last bit whatever the other rows do. `observe`, `info` and `state`
-return new arrays; `reward`, `terminated` and `truncated` are views that the next call overwrites.
+Environments are thin layers over `Episodes`. A row is the same to the last bit whatever the other
+rows do. `observe`, `info` and `state` return new arrays; `reward`, `terminated` and `truncated` are
+views that the next call overwrites.
 """
 
 from collections.abc import Mapping, Sequence
@@ -57,7 +57,7 @@ SCALED_BY = 5  # number of motions of the task that give the scale of efforts
 
 
 class Episodes:
-    """Runs episodes of one task in `n` rows; environments are thin layers over it.
+    """Runs episodes of one task in `n` rows.
 
     Args:
         task: The task.
@@ -66,12 +66,12 @@ class Episodes:
         threads: Number of threads of the physics; 0 uses all cores.
         max_periods: Number of control periods after which an episode is truncated, if that is
             before the end of the intention.
-        learned_torque: Whether `reset` takes what wearers have learned.
-        effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
+        learned_torque: Whether `reset` takes the learned torque of wearers.
+        effort_scale: Effort by which the reward is scaled; by default that of the suited arm.
 
     Attributes:
         simulation: The simulated arms.
-        observer: What a controller sees of them.
+        observer: Maker of the observations.
         reward: Reward of the last control period, shape (n,).
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).

@@ -18,8 +18,8 @@ from .model.workplace import Edits
 class Plant:
     """What a controller may know: its sensors and motors, and what it believes of the arm.
 
-    The intention of the wearer, the physics and the measurements that no sensor makes are not
-    among it; a policy gets this in place of the environment.
+    A policy gets a plant in place of the environment. The plant lacks the intention of the wearer,
+    the physics, and the measurements that no sensor makes.
 
     Attributes:
         layout: Parts of an observation by name.

@@ -38,8 +38,7 @@ Bools = NDArray[np.bool_]
 class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDArray[Any]]):
     """Rows of arms in one process: row i is `ArmEnv` with the seed of row i, to the last bit.
 
-    Everything else is as in `ArmEnv`, per row: actions are (num_envs, motors),
-    observations (num_envs, size). All returned arrays are new.
+    Actions have the shape (num_envs, motors), observations (num_envs, size).
 
     Args:
         num_envs: Number of rows.
@@ -60,10 +59,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: Width of a picture [pixels].
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
-        learned_torque: Whether a reset takes what wearers have learned, as the options
-            `learned_torque` and `learned_contraction`.
-        effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
-        **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
+        learned_torque: Whether a reset takes the options `learned_torque` and
+            `learned_contraction` of wearers who have learned.
+        effort_scale: Effort by which the reward is scaled; by default that of the suited arm.
+        **options: Options of the environment, as in `ArmEnv`. The draws of `randomize` differ
             between rows.
 
     Attributes:
@@ -308,7 +307,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return chosen.astype(np.int64)
 
     def _infos(self, mask: Bools, *always: str) -> dict[str, Any]:
-        """Returns what no sensor measures of the rows of a mask, in Gymnasium's form."""
+        """Returns the infos of the rows of a mask, in the form of Gymnasium."""
         chosen = {*always, *(METRICS if self._info == "metrics" else ())}
         if self._info == "none" and not always:
             return {}
@@ -347,12 +346,11 @@ def _usual_threads() -> int:
 
 
 def _mode(given: AutoresetMode | str) -> AutoresetMode:
-    modes = {mode.value: mode for mode in AutoresetMode}
-    if isinstance(given, AutoresetMode):
-        return given
-    if not isinstance(given, str) or given not in modes:
-        raise unknown_name("autoreset_mode", given, modes)
-    return modes[given]
+    try:
+        return AutoresetMode(given)
+    except ValueError:
+        modes = [mode.value for mode in AutoresetMode]
+        raise unknown_name("autoreset_mode", given, modes) from None
 
 
 def _seeds(given: Any, rows: int) -> list[int | None] | None:

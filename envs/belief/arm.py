@@ -1,4 +1,4 @@
-"""What a controller believes of person, suit and load, which need not be what is simulated."""
+"""Beliefs of a controller about person, suit and load, which may differ from the simulation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,9 +20,9 @@ from .suit import BelievedSuit
 
 @dataclass(frozen=True, kw_only=True)
 class Belief:
-    """What differs in the believed arm from the options of the environment; plain values.
+    """Differences of the believed arm from the options of the environment, as plain values.
 
-    What an episode draws at random is never part of it, nor what a task puts into the hand.
+    A belief never contains the random draws of an episode, nor the loads of a task.
 
     Attributes:
         suit: Suit, or its name or file; None is that of the options.

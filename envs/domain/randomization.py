@@ -52,8 +52,8 @@ class Randomization:
         misalignment: Largest distance, forward, outward and up, by which the exoskeleton sits
             differently than in the configuration [m], up to 0.05; it needs cuffs.
         sensor_noise: Least and greatest factor of the noise of sensors, 0 to 100; None is 1.
-        encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; each
-            encoder's is between minus and plus that.
+        encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; the
+            error of each encoder is drawn between minus and plus this value.
     """
 
     suit: SuitChoice = "nominal"
@@ -141,7 +141,7 @@ class Randomization:
         return suits
 
     def suit_of(self, suits: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
-        """Returns the suit of an episode, by joint; None is that of the configuration."""
+        """Returns the suit of an episode, by joint; None for the suit of the configuration."""
         if not suits:
             return None
         number = int(streams("suits").integers(len(suits))) if self.suits else 0
@@ -176,9 +176,9 @@ class Randomization:
         return replace(plan, **changed)
 
     def drawn(self, streams: Streams) -> dict[str, Any]:
-        """Returns what is drawn for an episode beside wearer, suit and plan, as fields of `Start`.
+        """Returns the draws of an episode beside wearer, suit and plan, as fields of `Start`.
 
-        The load and the place are None where they are those of the configuration.
+        Load and place are None if they are those of the configuration.
         """
         payload, place, shift = None, None, np.zeros(3)
         noise, offset = 1.0, np.zeros(len(JOINTS))

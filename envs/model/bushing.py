@@ -78,8 +78,6 @@ def attach_bushing(
     limb_site: str,
     exo_site: str,
     bushing: Bushing,
-    *,
-    sensors: bool = True,
 ) -> None:
     """Connects two bodies by a bushing, in place.
 
@@ -87,7 +85,7 @@ def attach_bushing(
     forces appear in `qfrc_passive`, under every integrator and in every batch. The parameters are
     part of the simulation's state (see `replace_bushing`).
 
-    With `sensors`, three sensors are added, in the axes of the exoskeleton's site: `<name>_force`
+    Three sensors are added, in the axes of the exoskeleton's site: `<name>_force`
     and `<name>_torque`, which act on the limb at its site [N, N·m], and `<name>_energy`, stored in
     the springs [J], which MuJoCo's own potential energy leaves out.
 
@@ -110,7 +108,7 @@ def attach_bushing(
     plugin = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
     numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in KEYS[2:]}
     plugin.config = {"limb": limb_site, "exo": exo_site, **numbers}
-    for quantity in SENSORS if sensors else ():
+    for quantity in SENSORS:
         sensor = spec.add_sensor(name=f"{name}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
         sensor.plugin = plugin
 

@@ -117,7 +117,7 @@ def shift_exoskeleton(model: mujoco.MjModel, body_pos: Array, by: Array) -> None
 
 
 def strap_again(model: mujoco.MjModel, plugin_state: Array, by: Array) -> None:
-    """Straps the cuffs of one simulation on anew after `shift_exoskeleton`: they bear no force."""
+    """Straps the cuffs of one simulation on again after `shift_exoskeleton`, without force."""
     for segment in CUFFS:
         move_bushing(model, plugin_state, f"cuff_{segment}", -_in_torso(model, by))
 
@@ -127,7 +127,7 @@ def _in_torso(model: mujoco.MjModel, by: Array) -> Array:
 
 
 def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
-    """Lengthens the drawn links; returns how far the parts below them move down."""
+    """Lengthens the drawn links; returns the displacements of the parts below the links."""
     lower = []
     for segment, below in (("upper_arm", "forearm"), ("forearm", "hand")):
         longer, length = excess.get(segment, 0.0), -spec.body(below).pos[2]

@@ -28,7 +28,7 @@ class Plan:
             load.
         push: Force on the grip at every sample, forward, outward and up [N], shape (samples, 3),
             zero at first; None for a task without force.
-        watched: Samples at which the task judges the hand, bool, shape (samples,); None for none.
+        watched: Whether the task judges the hand at each sample, shape (samples,); None for never.
     """
 
     motion: Motion
@@ -38,7 +38,7 @@ class Plan:
 
 
 def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, pushes: bool) -> Plan:
-    """Returns a plan whose arrays are finite and in range, as new arrays where they were not."""
+    """Returns a plan of arrays; raises an InputError if a number is not finite or out of range."""
     if not isinstance(plan, Plan):
         raise InputError(f"the task's plan is {shown(plan)}: return a Plan")
     motion = valid_motion(plan.motion, samples, ranges)

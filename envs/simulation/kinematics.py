@@ -31,7 +31,7 @@ class Arm:
         chain: Links of the arm.
         grip: Place of the grip in the frame of the hand [m], shape (3,).
         ranges: Ranges of the joints [rad], shape (4, 2).
-        outward: +1 where outward is the y axis of the torso (left arm), -1 where it is not.
+        outward: +1 for a left arm, where outward is the y axis of the torso; -1 for a right arm.
         torso: Place of the torso in the world [m], shape (3,).
         turn: Rotation from the frame of the torso into the world, shape (3, 3).
     """

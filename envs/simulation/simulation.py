@@ -9,8 +9,8 @@
 `begin` puts some rows at rest at the start of their intention, and `step` moves rows by one control
 period. Row i is the same to the last bit whatever the other rows do, for any number of rows and
 threads: kernels get the index of a row, and draw no random numbers. `state`, `plugin_state`,
-`sensordata` and `measured` are views of the arrays in which the kernels write: copy what shall last
-beyond the next call.
+`sensordata` and `measured` are views of the arrays in which the kernels write: copy the values that
+you need after the next call.
 """
 
 import os
@@ -76,8 +76,7 @@ class Simulation:
     """Simulates rows of arms, without task and reward.
 
     Each row is an arm with its suit, exoskeleton and wearer. A control period is `before`, the
-    physics of all rows, and `after` (see `cycle`). Row i is the same to the last bit whatever the
-    other rows do, for any number of rows and threads.
+    physics of all rows, and `after` (see `cycle`).
 
     Args:
         config: Configuration of the arms.
@@ -202,7 +201,7 @@ class Simulation:
             self._injector.deliver(moving, received, step * self.control_dt, now)
 
     def checked(self, plan: Plan) -> Plan:
-        """Returns a plan that these arms can carry out; raises an InputError otherwise."""
+        """Returns the plan; raises an InputError if these arms cannot carry it out."""
         carries, pushes = self._options.carries, self._pushed
         return checked_plan(plan, self.samples, self.ranges, carries=carries, pushes=pushes)
 
@@ -211,9 +210,9 @@ class Simulation:
         return self._row_models.arms[wearer]
 
     def dressed(self, row: int) -> Chain:
-        """Returns the arm of a row in its suit, with the load of the configuration if it has one.
+        """Returns the arm of a row with suit and load of the configuration.
 
-        Loads that a task puts into the hand later are not part of it, nor is an exoskeleton.
+        Loads that a task puts into the hand later are not part of the arm, nor is an exoskeleton.
         """
         chain = self._row_models.dressed(int(self.state.conditions.wearer[row]))
         return replace(chain, gravity=self.state.wearer.arm.gravity[row, None].copy())
@@ -239,7 +238,7 @@ class Simulation:
         return {name: values[rows] for name, values in arrays.items()}
 
     def set_state(self, rows: Rows, state: dict[str, NDArray]) -> None:
-        """Restores what `get_state` returned, in as many rows; they then continue bit for bit."""
+        """Restores a result of `get_state` in as many rows, which then continue bit for bit."""
         self.batch.reset(rows, stage=NOTHING)
         self.batch.state[rows] = state["physics"]
         for name, values in self._saved.items():
@@ -374,7 +373,7 @@ class Simulation:
         return self._rest[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:
-        return None if len(rows) == self.n else rows  # Batch takes all of them faster
+        return None if len(rows) == self.n else rows  # Batch moves all rows faster
 
     def _write_differences(self, rows: Rows) -> None:
         models, conditions, muscles = self._row_models, self.state.conditions, self.state.muscles

@@ -1,4 +1,4 @@
-"""What a task is: what the wearer intends, what loads the hand, and when it has gone well."""
+"""A task: the intention of the wearer, the loads on the hand, and the limits of success."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -67,10 +67,10 @@ class Task:
         hand_error: Largest distance of the hand from its place where the plan watches it, up to
             which an episode succeeds [m].
         tilt: Largest error of the hand's pitch there [rad].
-        slowness: Largest share there of its intended speed that the hand may lack.
+        slowness: Largest share of its intended speed that the hand may lack there.
         fatigue: Whether the wearer's muscles tire, unless the environment says otherwise.
         place: Place whose gravity acts, unless the environment says otherwise.
-        source: Where motion, loads and rule of success come from.
+        source: Source of motion, loads and rule of success.
         carries: Whether plans have a mass (of the class).
         period: Time of one cycle where the work is cyclic [s], which a controller may know.
     """
@@ -111,7 +111,7 @@ class Task:
         raise InputError(f"the task {self.name!r} has no motion: override motion or plan")
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns what an episode asks of the wearer; by default `motion` without a load.
+        """Returns the plan of an episode; by default `motion` without a load.
 
         Args:
             rng: Random generator of this episode's motion.
@@ -153,7 +153,7 @@ class Task:
 
     @property
     def edits(self) -> Edits | None:
-        """What the task adds to a model; None for nothing."""
+        """Additions of the task to a model; None for no additions."""
         if type(self).edit is Task.edit:
             return None
         return Edits(

@@ -22,7 +22,7 @@ SHORT = RandomMoves(name="Short", span={"elbow_flexion": (0.5, 1.2)}, duration=0
 OPTIONS = [
     ({"suit": "nun"}, "unknown suit 'nun'"),
     ({"gravty": "moon"}, "unknown option 'gravty'.*did you mean 'gravity'"),
-    ({"wearer": {"stature": 178}}, "stature is 178: use meters from 1.4 to 2.1"),
+    ({"wearer": {"stature": 178}}, "stature is 178: use a number from 1.4 to 2.1 m"),
     ({"control": {"nose": 1}}, "unknown field of control 'nose'.*did you mean 'noise'"),
     ({"control": {"delay": 0.015}}, "delay is 0.015 s: give it as a multiple of the control"),
     ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
