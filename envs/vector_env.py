@@ -21,7 +21,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ..checks import at_least, flag
-from ..errors import InputError, refuse_old_names, shown, unknown_name
+from ..errors import InputError, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup
@@ -270,7 +270,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def _checked_learned(
         self, options: dict[str, Any], rows: int
     ) -> dict[str, NDArray[np.float64]]:
-        refuse_old_names(options, {"taught": LEARNED[0]})
         shape = (rows, *self.episodes.simulation.state.intention.learned_torque.shape[1:])
         found = {}
         for name in LEARNED:

@@ -73,11 +73,7 @@ class Bushing:
 
 
 def attach_bushing(
-    spec: mujoco.MjSpec,
-    name: str,
-    limb_site: str,
-    exo_site: str,
-    bushing: Bushing,
+    spec: mujoco.MjSpec, name: str, limb_site: str, exo_site: str, bushing: Bushing
 ) -> None:
     """Connects two bodies by a bushing, in place.
 

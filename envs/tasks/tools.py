@@ -63,14 +63,7 @@ class Hammer(Task):
         )
         solid.contype, solid.conaffinity = STRIKING, 0
         draw_bar(hammer, CYLINDER, "rubber", 0.013, [-0.08, 0, 0], [HANDLE, 0, 0])
-        draw_bar(
-            hammer,
-            CYLINDER,
-            "exo_steel",
-            0.026,
-            [HANDLE, 0, 0.05],
-            [HANDLE, 0, -HEAD],
-        )
+        draw_bar(hammer, CYLINDER, "exo_steel", 0.026, [HANDLE, 0, 0.05], [HANDLE, 0, -HEAD])
         place, course = _strike(spec, head)
         surface = place + (HEAD + ANVIL_SIZE[2]) * course
         anvil = spec.body("torso").add_body(name="anvil", pos=surface)
