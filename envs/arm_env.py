@@ -20,8 +20,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import check_seed
 from ..errors import InputError, shown
-from .episodes import Episodes, checked_seed
+from .episodes import Episodes
 from .interface.info import Info
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup
@@ -188,7 +189,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
                 f"reset got the options {shown(options)}: there are no such options; leave them out"
             )
         if seed is not None:
-            seed = checked_seed(seed)
+            seed = check_seed(seed)
         super().reset(seed=seed)
         self.episodes.reset(ROW, [seed])
         self.renderer.forget()

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS
-from ..checks import HIGHEST_SEED, flag, within
+from ..checks import check_seed, flag, within
 from ..errors import InputError, shown
 from .belief import LEAD, BelievedArm
 from .interface.info import Info
@@ -167,7 +167,7 @@ class Episodes:
         next_gains = self.simulation.state.wearer.learning.next_gains
         for row, seed in zip(rows.tolist(), seeds or [None] * len(rows), strict=True):
             if seed is not None or episode.episode[row] < 0:
-                episode.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
+                episode.seed[row] = fresh_seed() if seed is None else check_seed(seed)
                 episode.episode[row], next_gains[row] = -1, 0.0
         episode.episode[rows] += 1
         episode.limit[rows] = self._periods
@@ -396,15 +396,6 @@ def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None)
                     f"{place} is {each[row].tolist()}: give finite numbers from -1 to 1"
                 )
     return found
-
-
-def checked_seed(seed: Any) -> int:
-    """Returns the seed as an int; raises an InputError unless it is a whole number in range."""
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
-        raise InputError(f"seed is {shown(seed)}: give a whole number of at least 0, or None")
-    if not 0 <= seed <= HIGHEST_SEED:
-        raise InputError(f"seed is {seed}: use 0 to {HIGHEST_SEED}")
-    return int(seed)
 
 
 def of_row(report: dict[str, Any]) -> dict[str, Any]:

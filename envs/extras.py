@@ -71,8 +71,7 @@ class Score:
 class Registry(Generic[Extra]):
     """Extras of one kind by name; iteration yields the names.
 
-    Args:
-        kind: Kind of the extras; the entry point group has its plural.
+    The entry point group has the plural of the kind.
     """
 
     def __init__(self, kind: str) -> None:
@@ -85,7 +84,7 @@ class Registry(Generic[Extra]):
         self._registered[name] = extra
 
     def find(self, name: str) -> Extra:
-        """Returns an extra."""
+        """Returns an extra by its name."""
         if name not in self:
             raise unknown_name(self._kind, name, self)
         if name in self._registered:

@@ -15,11 +15,7 @@ from .tasks import TASKS
 from .vector_env import ArmVectorEnv
 
 OURS = "ActiveSuit/"  # prefix of the ids of shipped environments
-ROWS_ONLY = (
-    *("threads", "info", "stagger", "autoreset_mode", "max_episode_steps"),
-    *("learned_torque", "effort_scale"),
-    *("render_mode", "camera", "width", "height", "render_quality"),
-)
+ROWS_ONLY = tuple(ArmVectorEnv.__init__.__kwdefaults__ or ())  # options of rows, not of tasks
 
 
 def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:

@@ -5,9 +5,9 @@ from collections.abc import Iterable
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, Literal, NamedTuple
 
-from ..checks import within
+from ..checks import pair, within
 
 Grade = Literal["published", "transcribed", "derived", "assumed"]
 """Where a number comes from.
@@ -76,13 +76,17 @@ REQUIRED = MISSING
 
 
 def check_settings(config: Any, prefix: str) -> None:
-    """Checks the numbers of a configuration that `setting` declares; a prefix begins messages."""
+    """Checks numbers, and pairs of a least and a greatest number, that `setting` declares.
+
+    The prefix begins the sentences of errors.
+    """
     for one in fields(config):
         known: Setting | None = one.metadata.get("setting")
         value: Any = getattr(config, one.name)
         if known and not (value is None and one.default is None):
             unit = "" if known.unit == "1" else f" {known.unit}"
-            within(f"{prefix}{one.name}", cast(float, value), known.low, known.high, unit)
+            check = pair if isinstance(one.default, tuple) else within
+            check(f"{prefix}{one.name}", value, known.low, known.high, unit)
 
 
 def quantities_of(config: Any, name: str) -> tuple[Quantity, ...]:

@@ -20,11 +20,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ..checks import at_least, flag
+from ..checks import at_least, check_seed, flag
 from ..errors import InputError, shown, unknown_name
-from .episodes import Episodes, checked_seed
+from .episodes import Episodes
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup
+from .simulation.episode_plan import series
 from .tasks import ARM_TRACKING, Task, task_of
 
 InfoKind = Literal["none", "metrics", "full"]
@@ -271,22 +272,14 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self, options: dict[str, Any], rows: int
     ) -> dict[str, NDArray[np.float64]]:
         shape = (rows, *self.episodes.simulation.state.intention.learned_torque.shape[1:])
-        found = {}
+        found: dict[str, Any] = {}
         for name in LEARNED:
             given = options.get(name)
             if given is None:
                 continue
             if not shape[1]:
                 raise InputError(f"{name} is given: make the environment with learned_torque=True")
-            try:
-                array = np.asarray(given, dtype=float)
-            except (TypeError, ValueError):
-                array = np.empty(0)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise InputError(
-                    f"{name} has shape {array.shape}: give finite numbers of shape {shape}"
-                )
-            found[name] = array
+            found[name] = series(name, given, shape)
         if LEARNED[1] in found and found[LEARNED[1]].min() < 0:
             raise InputError(f"{LEARNED[1]} is {found[LEARNED[1]].min():g} N·m: give 0 or more")
         return found
@@ -361,7 +354,7 @@ def _seeds(given: Any, rows: int) -> list[int | None] | None:
     if isinstance(given, list | tuple | range):
         if len(given) != rows:
             raise InputError(f"seed has {len(given)} numbers: give one for each of {rows} rows")
-        return [None if seed is None else checked_seed(seed) for seed in given]
-    first = checked_seed(given)
-    checked_seed(first + rows - 1)
+        return [None if seed is None else check_seed(seed) for seed in given]
+    first = check_seed(given)
+    check_seed(first + rows - 1)
     return [first + row for row in range(rows)]

@@ -164,28 +164,23 @@ def load(p, arm, Ra, Rb, rate, spin):
 
 
 PLUGIN_NAME = "activesuit.bushing"
-# Config keys in the order in which MuJoCo stores their values; the numeric ones come last, in the
-# order of the parameter vector.
+# Config keys in the order in which MuJoCo stores their values; the keys of numbers come last, in
+# the order of the parameter vector.
 KEYS = (
-    "limb",
-    "exo",
-    "stiffness",
-    "rotational_stiffness",
-    "damping",
-    "rotational_damping",
-    "offset",
+    *("limb", "exo", "stiffness", "rotational_stiffness"),
+    *("damping", "rotational_damping", "offset"),
 )
 FIRST_NUMBERS = 2
 LARGEST_OFFSET = 0.1  # m
 
-# Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 is none.
+# Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 means no number.
 BITS, LARGEST = 12, 2**12 - 1
 WIDTH = np.int64(BITS)
 SENSORS = b"force torque energy"  # endings of the names of sensors, from `FORCE_SENSOR` on
 LIMB, EXO = range(2)
 FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = map(np.int64, (2, 3, 4))
 
-# A fault is a reason and the config key it is about, LIMB where it is about the instance.
+# A fault is a reason and the number of a config key; LIMB stands for the whole instance.
 FINE, NO_SITE, SAME_BODY, NOT_STIFFNESS, NOT_OFFSET, SENSOR_NAME, SENSOR_TWICE, TOO_LARGE = range(8)
 SENTENCES = (
     b"",
@@ -193,8 +188,7 @@ SENTENCES = (
     b"it is on the same body as the limb site; name one on another",
     b"give three finite numbers of at least 0",
     b"give three finite numbers from -0.1 to 0.1 m",
-    b"the name of each of its sensors must end in force, torque or energy, which is what it "
-    b"measures",
+    b"end the name of each of its sensors with the measured force, torque or energy",
     b"two of its sensors measure the same; leave one out",
     b"the model has more than 4094 sites or sensors; make it smaller",
 )
@@ -211,12 +205,6 @@ Layout = namedtuple(
 """The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
 
 
-@njit(inline="always")
-def number_of(ids, kind):
-    """Returns the number of a site or sensor, or -1."""
-    return packed(ids, kind, WIDTH)
-
-
 @njit(cache=True)
 def connect(m, instance, at):
     """Returns (fault, packed ids of the two sites and this instance's sensors)."""
@@ -229,7 +217,7 @@ def connect(m, instance, at):
             return (NO_SITE, end), 0
         ids |= (site + 1) << (BITS * end)
     bodies = pointer_at(m + at.m_site_bodyid)
-    if int32_at(bodies, number_of(ids, LIMB)) == int32_at(bodies, number_of(ids, EXO)):
+    if int32_at(bodies, packed(ids, LIMB, WIDTH)) == int32_at(bodies, packed(ids, EXO, WIDTH)):
         return (SAME_BODY, EXO), 0
     outcome, ids = pack_sensors(m, instance, ids, FORCE_SENSOR, WIDTH, SENSORS, at)
     if outcome != FOUND:
@@ -302,7 +290,7 @@ def evaluate(m, d, instance, capability, at):
     """Adds the forces at the current position and velocity, or writes the sensors."""
     ids = word_of(d, instance, at)
     p = doubles(state_of(m, d, instance, at), PARAMETER_SIZE)
-    limb_site, exo_site = number_of(ids, LIMB), number_of(ids, EXO)
+    limb_site, exo_site = packed(ids, LIMB, WIDTH), packed(ids, EXO, WIDTH)
     position, Ra = site_frame(d, limb_site, at)
     origin, Rb = site_frame(d, exo_site, at)
     bodies = pointer_at(m + at.m_site_bodyid)
@@ -317,9 +305,9 @@ def evaluate(m, d, instance, capability, at):
         push(m, d, limb, point, force, torque, at)
         push(m, d, exo, point, scale(-1.0, force), scale(-1.0, torque), at)
         return
-    write(m, d, number_of(ids, FORCE_SENSOR), force, at)
-    write(m, d, number_of(ids, TORQUE_SENSOR), torque, at)
-    write(m, d, number_of(ids, ENERGY_SENSOR), (energy,), at)
+    write(m, d, packed(ids, FORCE_SENSOR, WIDTH), force, at)
+    write(m, d, packed(ids, TORQUE_SENSOR, WIDTH), torque, at)
+    write(m, d, packed(ids, ENERGY_SENSOR, WIDTH), (energy,), at)
 
 
 @njit(inline="always")

@@ -179,24 +179,19 @@ def nested(name: str, value: Any, default: Config) -> Config:
     """Returns `value`, or `default` with the fields that `value` replaces if `value` is a dict."""
     if isinstance(value, type(default)):
         return value
-    if isinstance(value, Mapping):
-        return _updated(default, value, name)
-    kind = type(default).__name__
-    raise InputError(f"{name} is {value!r}: give {kind}(...) or a dict of its fields")
-
-
-def _updated(default: Config, values: Mapping[str, Any], where: str) -> Config:
-    """Returns `default` with some fields replaced, dicts in nested fields likewise."""
+    kind = type(default)
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} is {value!r}: give {kind.__name__}(...) or a dict of its fields")
     assert is_dataclass(default) and not isinstance(default, type)
-    known = [known_field.name for known_field in fields(default)]
+    known = [one.name for one in fields(default)]
     new = {}
-    for name, value in values.items():
-        if name not in known:
-            raise unknown_name(f"field of {where}", name, known)
-        old = getattr(default, name)
-        new[name] = nested(f"{where}.{name}", value, old) if is_dataclass(old) else value
+    for field_name, given in value.items():
+        if field_name not in known:
+            raise unknown_name(f"field of {name}", field_name, known)
+        old = getattr(default, field_name)
+        new[field_name] = nested(f"{name}.{field_name}", given, old) if is_dataclass(old) else given
     if default == Person():
-        return type(default)(**new)  # whose sex decides the size that is not given
+        return kind(**new)  # the sex decides the sizes that are not given
     return replace(default, **new)
 
 

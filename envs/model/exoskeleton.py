@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ...errors import InputError
+from ...checks import at_least
 from ..provenance import Quantity, check_settings, quantities_of, setting
 from .motors import ELBOW_MOTOR, SHOULDER_MOTOR, Motor, set_motor
 
@@ -44,10 +44,7 @@ class Exo:
     encoder_delay: float = setting(0.0, "s", 0, 0.1, source="none: read in the same control period")
 
     def __post_init__(self) -> None:
-        if self.encoder_bits not in range(4, 33):
-            raise InputError(
-                f"exo.encoder_bits is {self.encoder_bits}: use 4 to 32, a whole number"
-            )
+        at_least("exo.encoder_bits", self.encoder_bits, 4, 32)
         check_settings(self, "exo.")
 
     @property

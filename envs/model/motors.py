@@ -7,7 +7,7 @@ friction belong to the actuator, Coulomb friction to the joint that carries it.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -85,16 +85,10 @@ SHOULDER_MOTOR = Motor(
     thermal_time_constant=60.0,
     mass=0.9,
 )
-ELBOW_MOTOR = Motor(
-    peak_torque=25.0,
-    continuous_torque=10.0,
-    no_load_speed=5.0,
-    armature=0.02,
-    coulomb=2.0,
-    viscous=0.1,
-    bandwidth=10.0,
-    thermal_time_constant=60.0,
-    mass=0.6,
+ELBOW_MOTOR = replace(
+    SHOULDER_MOTOR,
+    **{"peak_torque": 25.0, "continuous_torque": 10.0, "armature": 0.02},
+    **{"coulomb": 2.0, "viscous": 0.1, "mass": 0.6},
 )
 
 

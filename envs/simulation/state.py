@@ -17,29 +17,12 @@ from ..model import ArmConfig
 from ..model.exoskeleton import count_of
 from ..person import VoluntaryControl
 from ..person.control import noise_constants, sight_periods
+from . import structs
 from .faults import RECEPTION, Faults
 from .inverse_dynamics import Chain
 from .measurements import NOISES, WIDTH, Sensing, smoothing
 from .row_models import Variety
-from .structs import (
-    LARGEST,
-    Addresses,
-    Conditions,
-    Episode,
-    Feedback,
-    Intention,
-    Learning,
-    Motions,
-    Motors,
-    MuscleNoise,
-    Muscles,
-    NoisySensors,
-    Reception,
-    Sensors,
-    Wearer,
-    allocated,
-    saved,
-)
+from .structs import Motions, allocated, saved
 from .wearer_control import FEATURES
 
 
@@ -69,15 +52,15 @@ PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observ
 class State(NamedTuple):
     """State of the rows outside the physics."""
 
-    episode: Episode
-    conditions: Conditions
-    intention: Intention
-    wearer: Wearer
-    muscles: Muscles
-    motors: Motors
-    sensors: Sensors
-    noisy: NoisySensors
-    reception: Reception
+    episode: structs.Episode
+    conditions: structs.Conditions
+    intention: structs.Intention
+    wearer: structs.Wearer
+    muscles: structs.Muscles
+    motors: structs.Motors
+    sensors: structs.Sensors
+    noisy: structs.NoisySensors
+    reception: structs.Reception
 
     def arrays(self) -> dict[str, NDArray]:
         """Returns the arrays of the state by name, not copied, without constants and scratch."""
@@ -105,7 +88,7 @@ def state_of(
     n: int,
     config: ArmConfig,
     options: SimulationOptions,
-    at: Addresses,
+    at: structs.Addresses,
     arm: tuple[Chain, Array, Array],
 ) -> State:
     """Returns the state of rows before their first reset.
@@ -133,15 +116,15 @@ def state_of(
         "interaction_delay": 1 + (round(sensing.interaction_delay / dt) if noisy else 0),
     }
     state = State(
-        episode=allocated(Episode, sizes, dt=dt),
-        conditions=allocated(Conditions, sizes),
-        intention=allocated(Intention, sizes, motion=allocated(Motions, sizes)),
-        wearer=Wearer(
+        episode=allocated(structs.Episode, sizes, dt=dt),
+        conditions=allocated(structs.Conditions, sizes),
+        intention=allocated(structs.Intention, sizes, motion=allocated(Motions, sizes)),
+        wearer=structs.Wearer(
             arm=chain.rows(n),
-            feedback=allocated(Feedback, sizes, **control.feedback(dt)),
-            learning=allocated(Learning, sizes, **control.learning(dt)),
+            feedback=allocated(structs.Feedback, sizes, **control.feedback(dt)),
+            learning=allocated(structs.Learning, sizes, **control.learning(dt)),
             noise=allocated(
-                MuscleNoise,
+                structs.MuscleNoise,
                 sizes,
                 recursion=noise_constants(dt),
                 noise=control.noise,
@@ -149,27 +132,27 @@ def state_of(
             ),
         ),
         muscles=allocated(
-            Muscles,
+            structs.Muscles,
             sizes,
             strength=np.tile(strength, (n, 1, 1)),
             impedance=np.tile(impedance, (n, 1, 1)),
             tires=options.fatigue,
         ),
         motors=allocated(
-            Motors,
+            structs.Motors,
             sizes,
             ratings=np.vstack([at.peak_torque, np.reshape(heat, (-1, 2)).T]),
             fails=np.array(stopped),
         ),
         sensors=allocated(
-            Sensors,
+            structs.Sensors,
             sizes,
             preview=np.array([round(ahead / dt) for ahead in PREVIEW]),
             resolution=count_of(config.exo.encoder_bits),
             smoothing=smoothing(sensing.rate_cutoff, dt),
         ),
         noisy=allocated(
-            NoisySensors,
+            structs.NoisySensors,
             sizes,
             present=allocated(Motions, {**sizes, "samples": 1}),
             interaction_noise=sensing.interaction_noise,
@@ -178,7 +161,7 @@ def state_of(
             emg_lead=round(sensing.emg_lead / dt),
             emg_smoothing=smoothing(sensing.emg_cutoff, dt),
         ),
-        reception=allocated(Reception, sizes),
+        reception=allocated(structs.Reception, sizes),
     )
     state.episode.episode[:], state.episode.limit[:] = -1, samples - 1
     state.noisy.noise_scale[:] = 1.0
@@ -215,7 +198,7 @@ def check_state(
     if isinstance(diverged, np.ndarray) and diverged.dtype == np.bool_ and diverged.any():
         raise InputError("the state is of an episode that has diverged: go on from an earlier one")
     for name, own in present.items():
-        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
+        value, (low, high) = state[name], bounds.get(name, (-structs.LARGEST, structs.LARGEST))
         wanted, usable = f"{own.dtype} numbers of shape {own.shape}", isinstance(value, np.ndarray)
         usable = usable and value.dtype == own.dtype and value.shape == own.shape
         if name != "physics":

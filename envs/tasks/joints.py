@@ -12,6 +12,7 @@ from ...assets import JOINTS
 from ...checks import pair
 from ...errors import InputError, shown, unknown_name
 from ...published import LI_RANGES, LI_TURNS
+from ..provenance import setting
 from ..simulation.episode_plan import Motion, Plan
 from ..simulation.kinematics import Arm
 from .motions import between, posture, ramped, random_moves, through
@@ -36,8 +37,8 @@ class RandomMoves(Task):
 
     span: Spans = field(default_factory=dict)
     hold: Spans = field(default_factory=dict)
-    move_time: tuple[float, float] = (1.2, 2.4)
-    dwell_time: tuple[float, float] = (0.0, 0.5)
+    move_time: tuple[float, float] = setting((1.2, 2.4), "s", SHORTEST_MOVE, LONGEST)
+    dwell_time: tuple[float, float] = setting((0.0, 0.5), "s", 0, LONGEST)
 
     source: ClassVar[str] = "ranges of Li et al. 2022; times assumed"
 
@@ -49,8 +50,6 @@ class RandomMoves(Task):
             raise InputError(
                 f"the task's span and hold both have {joint}: a joint either moves or stays"
             )
-        for what, least in (("move_time", SHORTEST_MOVE), ("dwell_time", 0.0)):
-            pair(f"the task's {what}", getattr(self, what), least, LONGEST, " s")
 
     @property
     def about(self) -> str:

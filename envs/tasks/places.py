@@ -9,7 +9,6 @@ import numpy as np
 from mujoco import mjtGeom
 
 from ...arrays import Array
-from ...checks import pair
 from ..model.workplace import (
     CARRIED,
     add_pushes,
@@ -20,6 +19,7 @@ from ..model.workplace import (
     place_of,
     straight_arm,
 )
+from ..provenance import setting
 from ..simulation.episode_plan import Plan
 from ..simulation.kinematics import Arm, through_places
 from .motions import between, minimum_jerk, posture, repeated, through
@@ -79,15 +79,11 @@ class ObjectRelocation(Task):
             does not know the mass.
     """
 
-    load: tuple[float, float] = (1.0, 5.0)
+    load: tuple[float, float] = setting((1.0, 5.0), "kg", 0, LONGEST)
 
     source: ClassVar[str] = "LSDA 13587 (upper-body object relocation); 1 to 5 kg assumed"
     place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        pair("the task's load", self.load, 0, LONGEST, " kg")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws two shelves, and the object in the hand while there is one."""
@@ -153,15 +149,11 @@ class Handrail(Task):
         pull: Least and greatest force along the rail [N], drawn anew in each cycle.
     """
 
-    pull: tuple[float, float] = (30.0, 50.0)
+    pull: tuple[float, float] = setting((30.0, 50.0), "N", 0, LONGEST)
 
     source: ClassVar[str] = "BVAD (translation takes 12 to 34 % of suited time); forces assumed"
     place: ClassVar[str] = "microgravity"
     period: ClassVar[float | None] = 2 * GRIP
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        pair("the task's pull", self.pull, 0, LONGEST, " N")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Adds the motors of the pull, and draws the rail."""

@@ -10,7 +10,6 @@ from mujoco import mjtGeom
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import pair
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import CARRIED, add_reaction, draw, draw_bar, grip, holder, place_of
 from ..provenance import setting
@@ -225,16 +224,12 @@ class Scoop(Task):
         load: Least and greatest mass of the soil [kg], drawn anew for each scoop.
     """
 
-    load: tuple[float, float] = (2.0, 5.0)
+    load: tuple[float, float] = setting((2.0, 5.0), "kg", 0, LONGEST)
 
     source: ClassVar[str] = "sampling on Apollo and IST-2; 3 s and 2 to 5 kg assumed"
     place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
     period: ClassVar[float | None] = 2 * REST + LIFT + LOWER
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        pair("the task's load", self.load, 0, LONGEST, " kg")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the scoop, and the soil while there is some."""

@@ -144,7 +144,10 @@ def test_resets_that_cannot_be_change_nothing(env, arms):
         ({"reset_mask": np.ones(2, bool)}, "reset_mask is .*: give an array of 3 booleans"),
         ({"reset_mask": np.zeros(3, bool)}, "reset_mask names no row: set at least one"),
         ({"learned_torque": learned[:, 1:]}, r"shape \(3, 10, 4\): .* \(3, 11, 4\)"),
-        ({"learned_torque": learned + np.nan}, "learned_torque has .*: give finite numbers"),
+        (
+            {"learned_torque": learned + np.nan},
+            "learned_torque is not finite at sample 0: give finite",
+        ),
     ]
     assert_refused(lambda options: arms.reset(seed=0, options=options), rows)
     other = ArmVectorEnv(3, SHORT)
@@ -153,8 +156,8 @@ def test_resets_that_cannot_be_change_nothing(env, arms):
     other.reset(seed=0)
     rows = [
         ([1, 2], "seed has 2 numbers: give one for each of 3 rows"),
-        (-1, "seed is -1: use 0 to"),
-        ("one", "seed is 'one': give a whole number"),
+        (-1, "seed is -1: use at least 0"),
+        ("one", "seed is 'one': use a whole number"),
         *((seed, "seed") for seed in (2**63 - 1, np.array(3), b"ab", [1, True, 2])),
     ]
     assert_refused(lambda seed: other.reset(seed=seed), rows)
