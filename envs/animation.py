@@ -53,7 +53,7 @@ class LoopPanel:
 
 
 class _Curve:
-    """One curve with a bright tail and a dot at the present."""
+    """A curve with a bright tail, and a dot at the present."""
 
     def __init__(self, ax: Axes, points: Array, color: str) -> None:
         self._points = points

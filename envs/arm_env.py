@@ -165,7 +165,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self.episodes = Episodes(task, 1, Setup.of(task, options))
         simulation, self.duration = self.episodes.simulation, task.duration
         self.config, self.control_dt = simulation.config, simulation.control_dt
-        # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
+        # Gymnasium's recorders render after each step, and play the pictures at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / self.control_dt)}
         self.render_mode = render_mode
         look = camera, width, height, render_quality, picture_dt
@@ -235,7 +235,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     # --- State --------------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """Returns the whole state of the episode, to save it or to continue from it more than once.
+        """Returns the whole state of the episode, from which episodes can continue.
 
         The state contains the physics with the suit's memory, the intention, the counters and the
         place in the random streams, as arrays with one row and plain values (picklable).

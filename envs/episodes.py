@@ -214,13 +214,13 @@ class Episodes:
         return np.concatenate([now, self._frames.reshape(self.n, -1)], axis=1)
 
     def info(self, row: int) -> Info:
-        """Returns what no sensor measures of a row at this instant; it is computed when read."""
+        """Returns quantities of a row that no sensor measures; a read of the info computes them."""
         here = slice(row, row + 1)
         measured, sums = self._measured[here].copy(), self._score.sums[here].copy()
         return Info(measured.item(TIME), lambda: of_row(self._report(measured, sums)))
 
     def report(self) -> dict[str, Any]:
-        """Returns what no sensor measures, as new arrays with one row for each arm, by name."""
+        """Returns quantities that no sensor measures, as new arrays with one row for each arm."""
         return self._report(self._measured.copy(), self._score.sums.copy())
 
     def _report(self, measured: Array, sums: Array) -> dict[str, Any]:

@@ -19,7 +19,7 @@ ROWS_ONLY = tuple(ArmVectorEnv.__init__.__kwdefaults__ or ())  # options of rows
 
 
 def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
-    """Makes an ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
+    """Makes an ActiveSuit environment; returns the environment, and the `ArmEnv` in its wrappers.
 
     Args:
         env_id: Id of a registered environment whose class is an `ArmEnv`; as "module:id", the

@@ -51,7 +51,7 @@ class Setting(NamedTuple):
     unit: str  # unit of the number, "1" for a ratio; or words that follow the range
     low: float  # lowest value
     high: float  # highest value
-    source: str | None  # source of the default; None where it needs none
+    source: str | None  # source of the default; None if the default needs no source
     grade: Grade  # strength of the evidence for the default
 
 
@@ -64,7 +64,7 @@ def setting(
     source: str | None = None,
     grade: Grade = "assumed",
 ) -> Any:
-    """Returns the field of a dataclass that holds a number, declared with all that is known of it.
+    """Returns the field of a dataclass that holds a number, declared with unit, range and source.
 
     The arguments are those of `Setting` behind the default, which is `REQUIRED` for a field that
     must be given; with None the number may be left out.

@@ -91,7 +91,7 @@ class BelievedArm:
         return BelievedSuit(joints, count_of(self.config.exo.encoder_bits), self._dt)
 
     def model(self) -> mujoco.MjModel:
-        """Returns the model of the believed arm with all that it wears and carries."""
+        """Returns the model of the believed arm with suit, exoskeleton, load and tools."""
         return compose(self.config, drawn=False, edits=self._edits)
 
     def whole_weight(self) -> BelievedWeight:

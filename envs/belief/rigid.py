@@ -139,14 +139,13 @@ BENT = (0.0, 0.0, np.pi / 2, 0.0)  # rad, hanging upper arm and level forearm
 
 
 class BelievedInertia(Trigonometric):
-    """The mass matrix of an arm with all that it wears and carries, at any pose.
+    """The mass matrix of an arm with suit, exoskeleton, load and tools, at any pose.
 
-    As a function of the four angles it gives matrices [kg·m²], shape (n, 4, 4). The matrix depends
-    on the joints below the first one alone.
+    As a function of the four angles it gives matrices [kg·m²], shape (n, 4, 4), which depend only
+    on the joints below the first joint.
 
-    Args:
-        model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken at
-            the same angles as the arm's.
+    Args: model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken
+    at the same angles as the arm's.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -198,7 +197,7 @@ class CuffLevers(Trigonometric):
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        # What a joint moves, seen from there, does not depend on that joint nor on those above it.
+        # The motion due to a joint, in its frame, depends on the joints below alone.
         super().__init__(_levers(model), 1, first=1)
 
 

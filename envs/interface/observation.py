@@ -24,8 +24,8 @@ class Part:
     """One part of an observation."""
 
     name: str  # name of the part
-    measurement: str  # name of the measurement that it shows
-    limit: float  # largest size, at which it is clipped
+    measurement: str  # name of the shown measurement
+    limit: float  # size at which the part is clipped
     scale: float  # size that becomes 1 in a normalized observation
     unit: str  # unit of both
     shows: str  # description of the measurement

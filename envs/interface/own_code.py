@@ -14,7 +14,7 @@ Rewarding = Callable[[Mapping[str, Array], Mapping[str, NDArray]], Array]
 
 
 def imported(what: str, place: str, kind: str) -> Any:
-    """Returns the object at "package.module:name"; `kind` says what it must be, such as a class."""
+    """Returns the object at "package.module:name", which should be of a kind, such as a class."""
     module, _, name = place.partition(":")
     try:
         return getattr(import_module(module), name)

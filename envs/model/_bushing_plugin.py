@@ -227,7 +227,7 @@ def connect(m, instance, at):
 
 @njit(cache=True)
 def configure(m, instance, address, at):
-    """Fills the parameters at `address` from the config; missing ones are 0."""
+    """Fills the parameters at `address` from the config; missing parameters are 0."""
     for key in range(FIRST_NUMBERS, len(KEYS)):
         first = 3 * (key - FIRST_NUMBERS)
         values = doubles(address + 8 * first, 3)

@@ -84,7 +84,7 @@ def suit_of_config(config: ArmConfig) -> Suit | None:
     suit = load_suit(config.suit)
     if config.pressure is not None:
         suit = suit.at_pressure(config.pressure)
-    # Where the gas's share is known, its straight line is added now: an episode may scale it.
+    # If the share of the gas is known, its straight line is added now, for episodes to scale.
     shares = {
         joint: entry.at_pressure_ratio(1.0)
         for joint, entry in suit.joints.items()
@@ -162,7 +162,7 @@ def _built(
 
 @lru_cache(maxsize=1)
 def _undrawn() -> mujoco.MjSpec:
-    """Returns the scene without drawings, cached: deleting them takes longer than all the rest."""
+    """Returns the scene without drawings, cached: the deletion takes longer than the rest."""
     spec = mujoco.MjSpec.from_file(str(SCENE))
     keyframes = taken_keyframes(spec)
     remove_drawings(spec)
@@ -173,7 +173,7 @@ def _undrawn() -> mujoco.MjSpec:
 
 def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
     """Removes the parts that a configuration lacks."""
-    keyframes = taken_keyframes(spec)  # their sizes depend on what follows
+    keyframes = taken_keyframes(spec)  # their sizes depend on the next lines
     if config.suit == NO_SUIT:
         remove_suit(spec)
     if config.coupling == "none":
@@ -194,7 +194,7 @@ def _add_payload(spec: mujoco.MjSpec, payload: Payload) -> None:
     center = grip(spec).pos - np.array([0, 0, payload.radius])
     body = holder(spec).add_body(name="payload", pos=center)
     body.mass, body.inertia, body.explicitinertial = payload.mass, payload.moments, True
-    body.ipos = np.zeros(3)  # unset, it would be `center` again, and saved without the mass
+    body.ipos = np.zeros(3)  # without this line, `center` again, and saved without the mass
     body.add_geom(
         name="payload",
         type=mujoco.mjtGeom.mjGEOM_SPHERE,

@@ -31,7 +31,7 @@ Config = TypeVar("Config")
 
 @dataclass(frozen=True, kw_only=True)
 class Payload:
-    """A rigid load in the ring of the exoskeleton, or in the hand where there is none.
+    """A rigid load in the ring of the exoskeleton, or in the hand without an exoskeleton.
 
     Attributes:
         mass: Mass of the load [kg], 0 to 60; 0 means no load. Stability of the default time step
@@ -142,7 +142,7 @@ class ArmConfig:
         return self.sim_dt or (0.001 if self.coupling == "cuffs" else 0.002)
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns all fields for JSON, nested ones as dicts."""
+        """Returns all fields for JSON; nested fields are dicts."""
         plain = asdict(self)
         if isinstance(self.suit, Suit):
             plain["suit"] = self.suit.model_dump(mode="json")

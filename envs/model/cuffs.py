@@ -151,7 +151,7 @@ def _let_go(spec: mujoco.MjSpec) -> dict[str, tuple[str, str]]:
 
 def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:
     """Makes the exoskeleton's bodies a chain that hangs on the torso."""
-    spec.copy_during_attach = True  # MuJoCo can copy a spec's own bodies, not move them
+    spec.copy_during_attach = True  # MuJoCo can copy bodies of a spec, but not move them
     parent = spec.body("torso")
     for (part, segment), joint, begin in zip(CHAIN.items(), JOINTS, begins, strict=True):
         limb, sleeve = spec.body(segment), spec.body(part)

@@ -89,7 +89,7 @@ def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:
     for joint, limits in zip(JOINTS, (strength * [[-1], [1]]).T, strict=True):
         actuator = spec.actuator(f"human_{joint}")
         actuator.forcerange = limits
-        # The feed-forward torque cancels what the impedance gives beyond strength, at any error
+        # The feed-forward torque cancels the torque of impedance beyond strength, at any error
         # before the arm is lost.
         _, stiffness, damping = -actuator.biasprm[:3]
         most = stiffness * FARTHEST + damping * actuator.velrange[1]

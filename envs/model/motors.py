@@ -106,8 +106,8 @@ def thermal_step(
 
 def set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
     """Makes an actuator of a specification this motor."""
-    # The unit of current is the one that gives 1 N·m, so that the activation is the torque. The
-    # voltage is the one that turns the unloaded motor, with its viscous friction, at no-load speed.
+    # The unit of current gives 1 N·m, so that the activation is the torque. The
+    # voltage turns the unloaded motor, with its viscous friction, at no-load speed.
     drag = motor.viscous * motor.no_load_speed
     resistance = motor.no_load_speed / (motor.peak_torque - drag)
     actuator.actlimited = actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_AUTO

@@ -39,7 +39,7 @@ class Person:
         strength: Percentile of strength among people of this sex and mass, 1 to 99.
     """
 
-    stature: float = cast(float, None)  # what the sex decides
+    stature: float = cast(float, None)  # the sex decides
     mass: float = cast(float, None)
     sex: Literal["male", "female"] = "male"
     strength: float = 50.0
@@ -82,8 +82,8 @@ class Person:
 class Segment:
     """A rigid part of the arm."""
 
-    # Distance from the proximal joint center to the distal one; for the hand, to the head of the
-    # third metacarpal [m].
+    # Distance from the proximal joint center to the distal joint center [m]; for the hand, to the
+    # head of the third metacarpal.
     length: float
     mass: float  # mass of the segment [kg]
     center: float  # distance of its mass center from the proximal joint center [m]

@@ -103,7 +103,7 @@ def _column(name: str) -> Array:
 
 
 def _passive(name: str) -> Array:
-    """Returns one quantity of all joints, shape (4,), 0 where no elastic torque is known."""
+    """Returns one quantity of all joints, shape (4,), 0 if no elastic torque is known."""
     return np.array([_VALUE.get(f"passive.{joint}.{name}", 0.0) for joint in JOINTS])
 
 

@@ -38,7 +38,7 @@ PATIENCE = 3600.0  # s, the longest curve
 ZEROING = 50  # readings without the suit before each curve, whose mean is the sensor's zero
 TURNS = {f"{joint}_flexion": turns for joint, turns in LI_TURNS.items()}  # rad
 LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
-SAME = 1e-6  # [rad], distance of two angles that are meant to be one
+SAME = 1e-6  # [rad], greatest distance of two angles that count as equal
 ROUNDING = 1e-3  # share of a rate by which rounding in a file may change the rate
 FULL_TURN = 2 * math.pi  # rad
 RATE, RATE_RANGE = 0.1, (0.01, 0.5)  # rad/s
@@ -203,7 +203,7 @@ class RigConfig:
 
 
 def _check_rates(turns: Array) -> None:
-    """Checks that the motor can go from each turn (time [s], angle [rad]) to the next one."""
+    """Checks that the motor can go from each turn (time [s], angle [rad]) to the next turn."""
     low, high = RATE_RANGE
     way, took = np.abs(np.diff(turns[:, 1])), np.diff(turns[:, 0])
     for distance, duration, begin in zip(way, took, turns[:, 0], strict=False):
@@ -334,7 +334,7 @@ def _motions(
 
 
 def _compose(config: RigConfig, specimen: Specimen | None = None) -> mujoco.MjModel:
-    """Returns the rig with the specimen in it, or empty."""
+    """Returns the rig with the specimen, or the empty rig."""
     spec = mujoco.MjSpec.from_file(str(RIG))
     spec.option.timestep = STEP
     spec.joint(JOINT).frictionloss = config.bearing_friction

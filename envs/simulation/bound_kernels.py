@@ -78,7 +78,7 @@ def _count(kind: Any) -> int:
 
 
 def _type(value: Any) -> Any:
-    """Returns the type of an argument, the same for one arm as for many, and for empty arrays.
+    """Returns the type of an argument, the same for one arm, for many arms, and for empty arrays.
 
     The arrays are parts of MuJoCo's longer rows of state. NumPy calls such an array contiguous for
     one row or none of its columns and not contiguous otherwise, so that each kernel would be

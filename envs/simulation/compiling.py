@@ -13,7 +13,7 @@ from typing import Any
 PROGRAM = "from activesuit.envs import ArmEnv; ArmEnv(suit='none').reset(seed=0)"
 ALONE = "ACTIVESUIT_COMPILE_ALONE"  # environment variable: any value forbids the second process
 
-_begun: list[subprocess.Popen] = []  # the second process, once it was needed
+_begun: list[subprocess.Popen] = []  # the second process, if it was started
 
 
 def begin(kernel: Any) -> None:

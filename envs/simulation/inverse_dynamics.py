@@ -161,7 +161,7 @@ def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None
         scratch[row, i, 5] = ixx * bx + ixy * by + ixz * bz + wy * hz - wz * hy + ry * fz - rz * fy
         scratch[row, i, 6] = ixy * bx + iyy * by + iyz * bz + wz * hx - wx * hz + rz * fx - rx * fz
         scratch[row, i, 7] = ixz * bx + iyz * by + izz * bz + wx * hy - wy * hx + rx * fy - ry * fx
-    fx, fy, fz = 0.0, 0.0, 0.0  # what the link below needs, in the frame of this one
+    fx, fy, fz = 0.0, 0.0, 0.0  # force and moment on the link below, in the frame of this link
     nx, ny, nz = 0.0, 0.0, 0.0
     for back in range(4):
         i = 3 - back

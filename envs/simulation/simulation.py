@@ -54,7 +54,7 @@ class Start:
 
     # Intended motion of the wearer, and loads on the hand, as `Simulation.checked` returns.
     plan: Plan
-    suit: Mapping[str, SuitJoint] | None  # joints of the wearer's suit; None is the compiled one
+    suit: Mapping[str, SuitJoint] | None  # joints of the wearer's suit; None is the compiled suit
     encoder_offset: Array  # error of the encoders' zeros [rad], shape (4,)
     payload: Payload | None  # load at the hand; None is that of the configuration
     gravity: str | None  # name of the place; None is that of the configuration
@@ -399,7 +399,7 @@ class Simulation:
                 start_angle=entry.start_angle,
                 start_torque=entry.start_torque,
                 start_path=entry.start_path,
-                allow_uncertified=True,  # `SuitJoint` has checked it
+                allow_uncertified=True,  # `SuitJoint` has checked the model
             )
 
     def _fill_encoders(self, rows: Rows) -> None:

@@ -30,7 +30,7 @@ Bools = NDArray[np.bool_]
 Index = int | np.int64
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 MOST = 10**9  # [control periods], greatest count
-LARGEST = 1e9  # [SI], more than in any episode; sums of it stay finite
+LARGEST = 1e9  # [SI], more than in any episode; sums stay finite
 STRONGEST = 1e4  # [N·m], more than any torque of reflex, correction or learning
 
 
@@ -134,7 +134,9 @@ class Intention(NamedTuple):
 
     motion: Motions
     learned_torque: Annotated[Array, Saved("n learned 4", -STRONGEST, STRONGEST)]  # N·m
-    learned_contraction: Annotated[Array, Saved("n learned 4")]  # beyond the usual one [N·m]
+    learned_contraction: Annotated[
+        Array, Saved("n learned 4")
+    ]  # beyond the usual contraction [N·m]
 
 
 class BareArm(NamedTuple):
@@ -253,7 +255,7 @@ class Addresses(NamedTuple):
     """
 
     joints: Whole  # angles of the arm in qpos, and rates in qvel (all joints are hinges), (4,)
-    exo_joints: Whole  # angles of the exoskeleton in qpos, those of the arm if it is rigid, (4,)
+    exo_joints: Whole  # angles of the exoskeleton in qpos, those of the arm if rigid, (4,)
     driven: Whole  # angles of the exoskeleton's joints that carry a motor, (2,)
     assisted: Whole  # positions of the assisted joints in `JOINTS`, (2,)
     human: Whole  # torques of the wearer in actuator_force, (4,)

@@ -147,7 +147,7 @@ def correct(
 
 @inner(forceinline=True)
 def contraction(row: int, sample: Index, joint: int, intention: Intention) -> float:
-    """Returns the co-contraction that was learned for a sample, beyond the usual one [N·m]."""
+    """Returns the co-contraction that was learned for a sample, beyond the usual [N·m]."""
     learned = intention.learned_contraction
     return learned[row, sample, joint] if learned.shape[1] > 0 else 0.0
 

@@ -53,7 +53,7 @@ class RandomMoves(Task):
 
     @property
     def about(self) -> str:
-        """What the wearer does, in words."""
+        """Description of the motion."""
         moved, resting = (
             " and ".join(joint.replace("_flexion", "").replace("_", " ") for joint in joints)
             for joints in (self.span, self.hold)

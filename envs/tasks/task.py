@@ -134,12 +134,12 @@ class Task:
 
     @property
     def about(self) -> str:
-        """What the wearer does, in words: the first sentences of the class."""
+        """Description of the motion: the first sentences of the class."""
         return " ".join((type(self).__doc__ or "").partition("\n\n")[0].split())
 
     @property
     def rule(self) -> str:
-        """What success means in this task, in words."""
+        """Description of success in this task."""
         parts = [f"each joint within {1000 * self.tracking:g} mrad"]
         for value, words in (
             (self.effort, f"effort at most {100 * self.effort:g} % of strength"),

@@ -29,7 +29,9 @@ STRIKING = 8  # bit of the contacts between hammer and anvil, which nothing else
 LEAST_REBOUND = 0.15  # a critically damped contact has exp(-2)
 EARLY = 0.04  # [s], hand and speed are watched so long before the swing ends, above the anvil
 ROUNDING = 1e-9  # s
-THROUGH = 0.03  # [m], depth of the swing's end below the anvil's surface, so that it strikes
+THROUGH = (
+    0.03  # [m], depth of the swing's end below the anvil's surface, so that the hammer strikes
+)
 CONTACT_TIME = 0.016  # [s], duration of the rebound; eight steps of the physics
 ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
 
@@ -261,7 +263,7 @@ SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, tracking=0.1, hand_
 
 SHOULDER = ((0.85, 0.95), (1.1, 1.2))  # [rad], of lower and of higher places, in turn
 ELBOW = (1.1, 1.3)  # rad
-STAY, MOVE = 6.0, 1.5  # s, at a place, and to the next one
+STAY, MOVE = 6.0, 1.5  # [s], time at a place, and from place to place
 SETTLING = 0.5  # [s], time at a place before the hand counts
 
 
