@@ -50,7 +50,7 @@ def at_least(name: str, value: int, least: int, most: int = MOST) -> None:
         raise InputError(f"{name} is {shown(value)}: use at most {most:,}")
 
 
-def check_seed(value: int) -> int:
+def check_seed(value: Any) -> int:
     """Returns a seed of random numbers as an int; raises an InputError for any other value."""
     at_least("seed", value, 0, HIGHEST_SEED)
     return int(value)

@@ -85,7 +85,7 @@ def check_settings(config: Any, prefix: str) -> None:
         value: Any = getattr(config, one.name)
         if known and not (value is None and one.default is None):
             unit = "" if known.unit == "1" else f" {known.unit}"
-            check = pair if isinstance(one.default, tuple) else within
+            check: Any = pair if isinstance(one.default, tuple) else within
             check(f"{prefix}{one.name}", value, known.low, known.high, unit)
 
 
