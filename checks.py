@@ -50,9 +50,10 @@ def at_least(name: str, value: int, least: int, most: int = MOST) -> None:
         raise InputError(f"{name} is {shown(value)}: use at most {most:,}")
 
 
-def check_seed(value: int) -> None:
-    """Checks a seed of random numbers."""
+def check_seed(value: Any) -> int:
+    """Returns a seed of random numbers as an int; raises an InputError for any other value."""
     at_least("seed", value, 0, HIGHEST_SEED)
+    return int(value)
 
 
 def once(what: str, names: Iterable[object]) -> None:
@@ -72,6 +73,17 @@ def within(name: str, value: float, low: float, high: float, unit: str = "") -> 
     """Checks that a value is a number from `low` to `high`."""
     if isinstance(value, bool) or not (isinstance(value, Real) and low <= value <= high):
         raise InputError(f"{name} is {shown(value)}: use a number from {low:g} to {high:g}{unit}")
+
+
+def pair(name: str, given: Any, low: float, high: float, unit: str = "") -> tuple[float, float]:
+    """Returns a least and a greatest number, both from `low` to `high`."""
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{name} is {shown(given)}: give two numbers, the least and the greatest")
+    for value in given:
+        within(name, value, low, high, unit)
+    if given[0] > given[1]:
+        raise InputError(f"{name} is {shown(given)}: give the smaller number first")
+    return float(given[0]), float(given[1])
 
 
 def flag(name: str, value: bool) -> None:

@@ -19,18 +19,11 @@ SUIT, WEARER = "#62b4f5", "#ff8b3d"
 
 
 class LoopPanel:
-    """Torque over angle of shoulder and elbow flexion along a motion.
+    """Torque over angle of shoulder and elbow flexion along a motion, in a picture [pixels].
 
-    The whole loops are faint, and the part just before the present is bright.
-
-    All series are evenly sampled and have the shape (n, 4) with columns as `JOINTS`.
-
-    Args:
-        angle: Joint angles [rad].
-        resistance: Resistance of the suit, minus its torque on the joints [N·m].
-        human_torque: The wearer's torque [N·m].
-        width: Width of the picture [pixels].
-        height: Height of the picture [pixels].
+    The whole loops are faint, and the part just before the present is bright. Joint angles [rad],
+    the resistance of the suit (minus its torque on the joints) and the wearer's torque [N·m] are
+    evenly sampled, shape (n, 4), with columns as `JOINTS`.
     """
 
     def __init__(
@@ -60,7 +53,7 @@ class LoopPanel:
 
 
 class _Curve:
-    """One curve with a bright tail and a dot at the present."""
+    """A curve with a bright tail, and a dot at the present."""
 
     def __init__(self, ax: Axes, points: Array, color: str) -> None:
         self._points = points

@@ -20,8 +20,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import check_seed
 from ..errors import InputError, shown
-from .episodes import Episodes, checked_seed
+from .episodes import Episodes
 from .interface.info import Info
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup
@@ -109,12 +110,12 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     the joint will be when the motors have answered. Angles, cuff forces and suit torques are those
     of this instant; the torques of motors and wearer are those of the last physics step.
 
-    `info` contains what no sensor measures: angle, rate and target_angle of the arm, human_torque,
-    suit_torque and assist_torque, energies, effort (torque over the strength of a still joint);
-    with an exoskeleton motor_load, the running root mean square of the motors' torque over the
-    continuous one; with cuffs cuff_force [N]; with `fatigue` the fatigued part of every muscle
-    group, (2, 4): extensors and flexors. It is computed when it is read. "is_success" says whether
-    the episode is a success so far.
+    `info` contains quantities that no sensor measures: angle, rate and target_angle of the arm,
+    human_torque, suit_torque and assist_torque, energies, effort (torque over the strength of a
+    still joint); with an exoskeleton motor_load, the running root mean square of the motors' torque
+    over their continuous torque; with cuffs cuff_force [N]; with `fatigue` the fatigued part of
+    every muscle group, (2, 4): extensors and flexors. "is_success" says whether the episode is a
+    success so far. The content is computed when it is read.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
     more than 1 rad from the intention, or at a pole of the suit's torque, or diverged. Where MuJoCo
@@ -129,12 +130,13 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         height: Height of the picture [pixels].
         render_quality: Quality of pictures: "fast", which needs no graphics card, or "fine", with
             shadows, smooth edges and reflections.
-        picture_dt: Simulated time between new pictures [s], in which `render` returns the last one
-            again; 0 draws each anew. A recorder calls `render` after every step: with 0.04 it gets
-            25 new pictures a second, and its film still plays in real time.
+        picture_dt: Simulated time between new pictures [s], in which `render` returns the last
+            picture again; 0 draws each picture anew. A recorder calls `render` after every step:
+            with 0.04 the recorder gets 25 new pictures a second, and the film still plays in real
+            time.
         **options: Options of the environment: sensors, control_dt, control, level, randomize and
             others, as in `Setup`; and suit, gravity, coupling, wearer and others, as in
-            `ArmConfig`. Give nested ones as dicts if you need `EnvSpec.to_json`.
+            `ArmConfig`. Give nested options as dicts if you need `EnvSpec.to_json`.
 
     Attributes:
         episodes: Episodes of the task, with the simulated arm and its sensors.
@@ -163,18 +165,11 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self.episodes = Episodes(task, 1, Setup.of(task, options))
         simulation, self.duration = self.episodes.simulation, task.duration
         self.config, self.control_dt = simulation.config, simulation.control_dt
-        # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
+        # Gymnasium's recorders render after each step, and play the pictures at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / self.control_dt)}
         self.render_mode = render_mode
-        self.renderer = ArmRenderer(
-            self.config,
-            edits=self.episodes.task.edits,
-            camera=camera,
-            width=width,
-            height=height,
-            quality=render_quality,
-            picture_dt=picture_dt,
-        )
+        look = camera, width, height, render_quality, picture_dt
+        self.renderer = ArmRenderer(self.config, task.edits, *look)
         self._data: mujoco.MjData | None = None
         self.layout = self.episodes.observer.layout
         self.observation_space = self.episodes.observer.space
@@ -187,12 +182,14 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode with a new intention; the suit's memory begins at its start angle.
 
-        There are no `options`: each one raises an error.
+        There are no options: any content of `options` raises an InputError.
         """
         if options is not None and options != {}:
-            raise InputError(f"reset got the options {shown(options)}: it knows none; leave it out")
+            raise InputError(
+                f"reset got the options {shown(options)}: there are no such options; leave them out"
+            )
         if seed is not None:
-            seed = checked_seed(seed)
+            seed = check_seed(seed)
         super().reset(seed=seed)
         self.episodes.reset(ROW, [seed])
         self.renderer.forget()
@@ -229,18 +226,16 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self.renderer.close()
 
     def rows(self, count: int, **options: Any) -> ArmVectorEnv:
-        """Returns a vector environment of the same task, with the same options.
+        """Returns a vector environment of the same task and options, with `count` rows.
 
-        Args:
-            count: Number of rows.
-            **options: Further options of `ArmVectorEnv`, such as `threads`.
+        Further options are those of `ArmVectorEnv`, such as `threads`.
         """
         return ArmVectorEnv(count, self.episodes.task, **{**self._options, **options})
 
     # --- State --------------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """Returns the whole state of the episode, to save it or to continue from it more than once.
+        """Returns the whole state of the episode, from which episodes can continue.
 
         The state contains the physics with the suit's memory, the intention, the counters and the
         place in the random streams, as arrays with one row and plain values (picklable).
@@ -249,10 +244,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         return self.episodes.state(ROW)
 
     def set_state(self, state: dict[str, Any]) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Restores a state of `get_state`; the episode then continues bit for bit.
+        """Restores a state of `get_state`; returns the observation and info of that moment.
 
-        Returns:
-            The observation and info of that moment.
+        The episode then continues bit for bit.
         """
         self.episodes.restore(ROW, state)
         self.renderer.forget()
@@ -267,7 +261,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     @property
     def data(self) -> mujoco.MjData:
-        """The physics of this instant, for reading: what is written here changes nothing."""
+        """The physics of this instant, for reading: a change of this copy changes nothing."""
         self._data = self.episodes.simulation.data(0, self._data)
         return self._data
 

@@ -8,9 +8,9 @@
     >>> episodes.observe().shape, episodes.truncated.tolist()
     ((2, 12), [False, False])
 
-Environments are thin faces of this: `reset` of some rows, `step`, and the state of rows in mid
-task. A row is the same to the last bit whatever the other rows do. `observe`, `info` and `state`
-return new arrays; `reward`, `terminated` and `truncated` are views that the next call overwrites.
+Environments are thin layers over `Episodes`. A row is the same to the last bit whatever the other
+rows do. `observe`, `info` and `state` return new arrays; `reward`, `terminated` and `truncated` are
+views that the next call overwrites.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS
-from ..checks import HIGHEST_SEED, flag, within
+from ..checks import check_seed, flag, within
 from ..errors import InputError, shown
 from .belief import LEAD, BelievedArm
 from .interface.info import Info
@@ -57,7 +57,7 @@ SCALED_BY = 5  # number of motions of the task that give the scale of efforts
 
 
 class Episodes:
-    """Runs episodes of one task in `n` rows; environments are thin layers over it.
+    """Runs episodes of one task in `n` rows.
 
     Args:
         task: The task.
@@ -66,12 +66,12 @@ class Episodes:
         threads: Number of threads of the physics; 0 uses all cores.
         max_periods: Number of control periods after which an episode is truncated, if that is
             before the end of the intention.
-        learned_torque: Whether `reset` takes what wearers have learned.
-        effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
+        learned_torque: Whether `reset` takes the learned torque of wearers.
+        effort_scale: Effort by which the reward is scaled; by default that of the suited arm.
 
     Attributes:
         simulation: The simulated arms.
-        observer: What a controller sees of them.
+        observer: Maker of the observations.
         reward: Reward of the last control period, shape (n,).
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
@@ -155,22 +155,19 @@ class Episodes:
         stagger: bool = False,
         learned: Mapping[str, Array] | None = None,
     ) -> None:
-        """Begins new episodes in some rows.
+        """Begins new episodes in some rows, shape (k,).
 
-        Args:
-            rows: The rows, shape (k,).
-            seeds: Seed of each of them; None keeps the seed of the row.
-            stagger: Whether the episodes end at random times, so that later ones do not all begin
-                together.
-            learned: What the wearers have learned [N·m], shape (k, samples, 4) each:
-                `learned_torque`, added to that of their bare arms, and `learned_contraction`,
-                beyond the usual one.
+        `seeds` has a seed for each of these rows; None keeps the seed of the row. With `stagger`,
+        the episodes end at random times, so that later episodes do not all begin together.
+        `learned` has what the wearers have learned [N·m], shape (k, samples, 4) each:
+        `learned_torque`, added to that of their bare arms, and `learned_contraction`, beyond the
+        usual co-contraction.
         """
         episode = self._counters
         next_gains = self.simulation.state.wearer.learning.next_gains
         for row, seed in zip(rows.tolist(), seeds or [None] * len(rows), strict=True):
             if seed is not None or episode.episode[row] < 0:
-                episode.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
+                episode.seed[row] = fresh_seed() if seed is None else check_seed(seed)
                 episode.episode[row], next_gains[row] = -1, 0.0
         episode.episode[rows] += 1
         episode.limit[rows] = self._periods
@@ -194,16 +191,14 @@ class Episodes:
         self._judge.begin(rows)
 
     def require_reset(self, what: str) -> None:
-        """Refuses what needs an episode in every row, before the first reset."""
+        """Raises an InputError if a row has had no reset yet; `what` is the name of the call."""
         if (self._counters.episode < 0).any():
             raise InputError(f"{what} before the first reset: call reset() first")
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
-        """Applies actions for one control period.
+        """Applies actions for one control period, in all rows or in those that `rows` names.
 
-        Args:
-            action: Torque of the motors over their peaks, shape (n, motors).
-            rows: The rows that move; by default all.
+        `action` is the torque of the motors over their peaks, shape (n, motors).
         """
         self._move(checked(action, (self.n, self.motors), rows), rows)
 
@@ -219,13 +214,13 @@ class Episodes:
         return np.concatenate([now, self._frames.reshape(self.n, -1)], axis=1)
 
     def info(self, row: int) -> Info:
-        """Returns what no sensor measures of a row at this instant; it is computed when read."""
+        """Returns quantities of a row that no sensor measures; a read of the info computes them."""
         here = slice(row, row + 1)
         measured, sums = self._measured[here].copy(), self._score.sums[here].copy()
         return Info(measured.item(TIME), lambda: of_row(self._report(measured, sums)))
 
     def report(self) -> dict[str, Any]:
-        """Returns what no sensor measures, as new arrays with one row for each arm, by name."""
+        """Returns quantities that no sensor measures, as new arrays with one row for each arm."""
         return self._report(self._measured.copy(), self._score.sums.copy())
 
     def _report(self, measured: Array, sums: Array) -> dict[str, Any]:
@@ -275,7 +270,7 @@ class Episodes:
         return {"config": self.identity(), **self._arrays(rows)}
 
     def restore(self, rows: Rows, state: Any) -> None:
-        """Restores what `state` returned, also in other rows; they then continue bit for bit."""
+        """Restores the result of `state`, also in other rows, which then continue bit for bit."""
         bounds = self.simulation.bounds
         check_state(state, self.identity(), self._arrays(rows), bounds, self.simulation.model)
         self._restore(rows, state)
@@ -321,7 +316,7 @@ class Episodes:
             self.reward[moving] = self.setup.reward(*self._rewarded(moving))
 
     def _rewarded(self, rows: Rows) -> tuple[dict[str, Array], dict[str, NDArray]]:
-        """Returns what a reward of a user's own is given; see `OwnReward`."""
+        """Returns the arguments of a reward of the user; see `OwnReward`."""
         terms = {name: self.terms[rows, i] for i, name in enumerate(TERMS)}
         columns = self.simulation.columns.items()
         measured = {name: self._measured[rows, part] for name, part in columns}
@@ -331,8 +326,9 @@ class Episodes:
     def tolerated(self) -> Array:
         """Returns the errors of joints that the task tolerates [rad], shape (n, samples, 4).
 
-        They are its limit, which holds in the mean of time; where the hand is watched, where every
-        error counts, half of what moves the hand to its limit.
+        The errors are the limit of the task, which holds in the mean over time. Where the hand is
+        watched, every error counts: there the tolerated error is at most half of the error that
+        moves the hand to its limit.
         """
         simulation = self.simulation
         found = np.full((self.n, simulation.samples, len(JOINTS)), self.task.tracking)
@@ -379,7 +375,7 @@ class Episodes:
 
 
 def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None) -> Array:
-    """Returns actions as an array of that shape, finite in the rows that move."""
+    """Returns actions as an array of the given shape, finite in the rows that move."""
     try:
         given = np.asarray(action)
     except ValueError:  # lists of several lengths
@@ -400,15 +396,6 @@ def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None)
                     f"{place} is {each[row].tolist()}: give finite numbers from -1 to 1"
                 )
     return found
-
-
-def checked_seed(seed: Any) -> int:
-    """Returns a seed."""
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
-        raise InputError(f"seed is {shown(seed)}: give a whole number of at least 0, or None")
-    if not 0 <= seed <= HIGHEST_SEED:
-        raise InputError(f"seed is {seed}: use 0 to {HIGHEST_SEED}")
-    return int(seed)
 
 
 def of_row(report: dict[str, Any]) -> dict[str, Any]:

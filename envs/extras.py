@@ -1,7 +1,7 @@
 """Extras by name: scores of motions beside effort, and drawings beside an arm that moves.
 
-A package names what it has in the entry point group `activesuit.scores` or `activesuit.drawings`.
-Nothing of it is imported before its name is asked for, and no other module has to know it.
+A package names its extras in the entry point group `activesuit.scores` or `activesuit.drawings`. An
+extra is imported when its name is asked for, and no other module has to know the extra.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 Extra = TypeVar("Extra")
 Drawing = Callable[["Simulation"], Callable[[], Sequence["Capsule"]]]
-"""Function of a simulation. It returns another, which is called in every control period and returns
-what is drawn beside the first arm; InputError where nothing can be drawn."""
+"""Function of a simulation that returns a second function, or raises InputError if nothing can be
+drawn. The second function is called in every control period, and returns what to draw beside the
+first arm."""
 STANDARD = "standard"  # convention under which costs are compared
 
 
@@ -52,7 +53,7 @@ class Score:
         least: Least cost of a suit for relief to have a meaning, by the name of a cost.
         units: Units of costs and facts by name, "1" for a ratio.
         text: Explanation of the costs and facts, in Markdown.
-        limits: Facts that limit a score: the value from which on that is said, and the sentence.
+        limits: Facts that limit a score: the value from which a report says so, and the sentence.
         figure: Function that draws some motions, by the name of each; None for no figure.
         packages: Names of the packages whose versions change costs.
     """
@@ -70,8 +71,7 @@ class Score:
 class Registry(Generic[Extra]):
     """Extras of one kind by name; iteration yields the names.
 
-    Args:
-        kind: What they are; the entry point group has its plural.
+    The entry point group has the plural of the kind.
     """
 
     def __init__(self, kind: str) -> None:
@@ -84,7 +84,7 @@ class Registry(Generic[Extra]):
         self._registered[name] = extra
 
     def find(self, name: str) -> Extra:
-        """Returns an extra."""
+        """Returns an extra by its name."""
         if name not in self:
             raise unknown_name(self._kind, name, self)
         if name in self._registered:

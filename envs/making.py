@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from copy import deepcopy
 from importlib import import_module
 from typing import Any
 
@@ -16,15 +15,11 @@ from .tasks import TASKS
 from .vector_env import ArmVectorEnv
 
 OURS = "ActiveSuit/"  # prefix of the ids of shipped environments
-ROWS_ONLY = (
-    *("threads", "info", "stagger", "autoreset_mode", "max_episode_steps"),
-    *("learned_torque", "effort_scale"),
-    *("render_mode", "camera", "width", "height", "render_quality"),
-)
+ROWS_ONLY = tuple(ArmVectorEnv.__init__.__kwdefaults__ or ())  # options of rows, not of tasks
 
 
 def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
-    """Makes an ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
+    """Makes an ActiveSuit environment; returns the environment, and the `ArmEnv` in its wrappers.
 
     Args:
         env_id: Id of a registered environment whose class is an `ArmEnv`; as "module:id", the
@@ -41,32 +36,21 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
 
 
 def _imported(env_id: str) -> str:
-    """Returns the name of a registered environment, whose module is imported first."""
+    """Imports the module of an environment; returns the name of the registered environment."""
     if not isinstance(env_id, str):
         raise InputError(f"env_id is {shown(env_id)}: give the id of an environment")
     module, _, name = env_id.rpartition(":")
     with _own_code(env_id):
         if module:
             import_module(module)
-        made_by = _maker(name)
+        made_by = gymnasium.registry[name].entry_point if name in gymnasium.registry else None
+        made_by = load_env_creator(made_by) if isinstance(made_by, str) else made_by
     if name not in gymnasium.registry:
         ours = [f"{OURS}{task}-v0" for task in TASKS]
         raise unknown_name("environment", env_id, ours)
     if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
         raise _no_arm(env_id)
     return name
-
-
-def _refuse_overridden(env_id: str, kind: type[ArmEnv]) -> None:
-    """Refuses a class that overrides more of `ArmEnv` than the metadata."""
-    parents = kind.__mro__[: kind.__mro__.index(ArmEnv)]
-    own = {name for one in parents for name in vars(one) if not name.startswith("_")}
-    overridden = sorted(own & {*dir(ArmEnv)} - {"metadata"})
-    if overridden:
-        raise InputError(
-            f"{env_id!r} overrides {', '.join(overridden)} of ArmEnv, which the vector environment "
-            "would ignore: change its task or options instead"
-        )
 
 
 @contextmanager
@@ -80,12 +64,6 @@ def _own_code(env_id: str) -> Iterator[None]:
             f"the environment {env_id!r} cannot be made ({type(error).__name__}: {error}): repair "
             "it, or name a module that is installed or in the working folder"
         ) from error
-
-
-def _maker(name: str) -> Any:
-    """Returns the class or function that makes a registered environment; None if there is none."""
-    made_by = gymnasium.registry[name].entry_point if name in gymnasium.registry else None
-    return load_env_creator(made_by) if isinstance(made_by, str) else made_by
 
 
 def _no_arm(env_id: str) -> InputError:
@@ -103,18 +81,8 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
         rows: Number of rows.
         **options: Options of the environment, and of `ArmVectorEnv`.
     """
-    name = _imported(env_id)
-    spec, maker = gymnasium.registry[name], _maker(name)
     of_rows = {one: options.pop(one) for one in ROWS_ONLY if one in options}
-    if (
-        isinstance(maker, type)
-        and maker.__init__ is ArmEnv.__init__
-        and not spec.additional_wrappers
-    ):
-        _refuse_overridden(env_id, maker)
-        given = {**deepcopy(spec.kwargs), **options, **of_rows}
-        return ArmVectorEnv(rows, **{"max_episode_steps": spec.max_episode_steps, **given})
-    made, arm = make_env(env_id, **options)  # a function or a wrapper decides what is made
+    made, arm = make_env(env_id, **options)  # a function or a wrapper may decide what is made
     made.close()
     limit, layer = None, made
     while isinstance(layer, gymnasium.Wrapper):
@@ -126,5 +94,13 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
                 "arms cannot have: register it without, and change the task or the options instead"
             )
         layer = layer.env
-    _refuse_overridden(env_id, type(arm))
+    kind = type(arm)
+    parents = kind.__mro__[: kind.__mro__.index(ArmEnv)]
+    own = {name for one in parents for name in vars(one) if not name.startswith("_")}
+    overridden = sorted(own & {*dir(ArmEnv)} - {"metadata"})
+    if overridden:
+        raise InputError(
+            f"{env_id!r} overrides {', '.join(overridden)} of ArmEnv, which the vector environment "
+            "would ignore: change its task or options instead"
+        )
     return arm.rows(rows, **{"max_episode_steps": limit, **of_rows})

@@ -18,8 +18,8 @@ from .model.workplace import Edits
 class Plant:
     """What a controller may know: its sensors and motors, and what it believes of the arm.
 
-    The intention of the wearer, the physics and the measurements that no sensor makes are not
-    among it; a policy gets this in place of the environment.
+    A policy gets a plant in place of the environment. The plant lacks the intention of the wearer,
+    the physics, and the measurements that no sensor makes.
 
     Attributes:
         layout: Parts of an observation by name.
@@ -49,11 +49,7 @@ class Plant:
 
     @classmethod
     def of(cls, episodes: Episodes) -> "Plant":
-        """Returns what a controller may know of the arms of an environment.
-
-        Args:
-            episodes: Episodes of the environment, `env.episodes`.
-        """
+        """Returns what a controller may know of the arms of an environment, from `env.episodes`."""
         simulation, observer = episodes.simulation, episodes.observer
         return cls(
             layout=dict(observer.layout),
@@ -70,11 +66,7 @@ class Plant:
         )
 
     def believed(self, belief: Belief | None = None) -> BelievedArm:
-        """Returns the arm that a controller believes in.
-
-        Args:
-            belief: What differs from `config`.
-        """
+        """Returns the arm that a controller believes in; `belief` replaces parts of `config`."""
         return BelievedArm(self.config, self.edits, self.dt, belief)
 
     def __getattr__(self, name: str) -> Any:

@@ -5,9 +5,9 @@ from collections.abc import Iterable
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, Literal, NamedTuple
 
-from ..checks import within
+from ..checks import pair, within
 
 Grade = Literal["published", "transcribed", "derived", "assumed"]
 """Where a number comes from.
@@ -19,21 +19,13 @@ of it; `derived`: computed from such numbers; `assumed`: ours.
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number of the model.
+    """One number of the model."""
 
-    Attributes:
-        name: Name of the quantity, with dots from the general to the particular.
-        value: Number that the model uses.
-        unit: Unit of the number, "1" for a ratio.
-        source: Publication, derivation or reason.
-        grade: Strength of the evidence for the number.
-    """
-
-    name: str
-    value: float
-    unit: str
-    source: str
-    grade: Grade
+    name: str  # name of the quantity, with dots from the general to the particular
+    value: float  # number that the model uses
+    unit: str  # unit of the number, "1" for a ratio
+    source: str  # publication, derivation or reason
+    grade: Grade  # strength of the evidence for the number
 
 
 def numbers_of(*groups: str) -> tuple[Quantity, ...]:
@@ -54,21 +46,13 @@ def values_of(quantities: Iterable[Quantity]) -> dict[str, float]:
 
 
 class Setting(NamedTuple):
-    """Unit, range and source of a number that is a field of a configuration.
+    """Unit, range and source of a number that is a field of a configuration."""
 
-    Attributes:
-        unit: Unit of the number, "1" for a ratio; or words that follow the range.
-        low: Lowest value.
-        high: Highest value.
-        source: Source of the default; None where it needs none.
-        grade: Strength of the evidence for the default.
-    """
-
-    unit: str
-    low: float
-    high: float
-    source: str | None
-    grade: Grade
+    unit: str  # unit of the number, "1" for a ratio; or words that follow the range
+    low: float  # lowest value
+    high: float  # highest value
+    source: str | None  # source of the default; None if the default needs no source
+    grade: Grade  # strength of the evidence for the default
 
 
 def setting(
@@ -80,7 +64,7 @@ def setting(
     source: str | None = None,
     grade: Grade = "assumed",
 ) -> Any:
-    """Returns the field of a dataclass that holds a number, declared with all that is known of it.
+    """Returns the field of a dataclass that holds a number, declared with unit, range and source.
 
     The arguments are those of `Setting` behind the default, which is `REQUIRED` for a field that
     must be given; with None the number may be left out.
@@ -92,13 +76,17 @@ REQUIRED = MISSING
 
 
 def check_settings(config: Any, prefix: str) -> None:
-    """Checks the numbers of a configuration that `setting` declares; a prefix begins messages."""
+    """Checks numbers, and pairs of a least and a greatest number, that `setting` declares.
+
+    The prefix begins the sentences of errors.
+    """
     for one in fields(config):
         known: Setting | None = one.metadata.get("setting")
         value: Any = getattr(config, one.name)
         if known and not (value is None and one.default is None):
             unit = "" if known.unit == "1" else f" {known.unit}"
-            within(f"{prefix}{one.name}", cast(float, value), known.low, known.high, unit)
+            check: Any = pair if isinstance(one.default, tuple) else within
+            check(f"{prefix}{one.name}", value, known.low, known.high, unit)
 
 
 def quantities_of(config: Any, name: str) -> tuple[Quantity, ...]:

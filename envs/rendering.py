@@ -1,4 +1,4 @@
-"""Pictures and windows; OpenGL is not used before the first of them is drawn."""
+"""Pictures and windows; OpenGL is not used before the first picture or window."""
 
 import os
 import sys
@@ -30,12 +30,12 @@ LONGEST_BETWEEN = 10.0  # [s], greatest `picture_dt`
 
 @dataclass(frozen=True)
 class _Quality:
-    """Settings of OpenGL, which cost time of the processor where there is no graphics card."""
+    """Settings of OpenGL, which take time of the processor without a graphics card."""
 
     shadowsize: int  # pixels; 0 draws no shadows
     offsamples: int  # samples a pixel; more than 0 smooths edges
     numslices: int  # number of slices around a round shape
-    numstacks: int  # number of stacks along it
+    numstacks: int  # number of stacks along a round shape
     reflection: bool
 
     def ask(self, model: mujoco.MjModel) -> None:
@@ -51,22 +51,15 @@ QUALITIES = {
 
 
 class Capsule(NamedTuple):
-    """What is drawn beside a model: a cylinder with round ends.
+    """A cylinder with round ends, to draw beside an arm."""
 
-    Attributes:
-        begin: Middle of one end in the world [m], shape (3,).
-        end: Middle of the other one.
-        radius: Its radius [m].
-        color: Red, green, blue and opacity, 0 to 1, shape (4,).
-    """
-
-    begin: Array
-    end: Array
-    radius: float
-    color: Array
+    begin: Array  # middle of one end in the world [m], shape (3,)
+    end: Array  # middle of the other end [m]
+    radius: float  # m
+    color: Array  # red, green, blue and opacity, 0 to 1, shape (4,)
 
     def into(self, geom: mujoco.MjvGeom) -> mujoco.MjvGeom:
-        """Makes a geom of a scene this capsule, and returns it."""
+        """Turns a geom of a scene into this capsule, and returns the geom."""
         capsule, origin = mujoco.mjtGeom.mjGEOM_CAPSULE, np.zeros(3)
         color = np.asarray(self.color, np.float32)
         mujoco.mjv_initGeom(geom, capsule, origin, origin, np.eye(3).ravel(), color)
@@ -78,27 +71,33 @@ class RenderingUnavailableError(InputError):
     """Rendering is not possible on this machine, which has no usable OpenGL."""
 
 
-class Renderer:
-    """Renders one model from one camera; its OpenGL objects are made when needed, never pickled.
+class ArmRenderer:
+    """Draws one arm from one camera.
 
-    Quality and size are written into `vis` of the model that is drawn.
+    The drawn model and the objects of OpenGL are made for the first picture, and never pickled.
 
     Args:
+        config: Configuration of the arm.
+        edits: Additions of a task to the model.
         camera: Name of a camera of the model.
         width: Width of the picture [pixels].
         height: Height of the picture [pixels].
         quality: "fast", which is quick without a graphics card too, or "fine", with shadows,
             smooth edges and reflections.
-        picture_dt: Simulated time between pictures [s]; before it has passed, `picture` returns the
-            last one again.
+        picture_dt: Simulated time between new pictures [s]. Before this time has passed, `picture`
+            returns the last picture again.
+
+    Attributes:
+        beside: Function that returns the capsules to draw beside the arm; None for no capsules.
     """
 
-    # Why OpenGL does not work in this process: a second attempt could abort it.
+    # Reason for which OpenGL does not work in this process: a second attempt could abort it.
     _unavailable: ClassVar[str | None] = None
 
     def __init__(
         self,
-        *,
+        config: ArmConfig,
+        edits: Edits | None,
         camera: str,
         width: int,
         height: int,
@@ -113,8 +112,11 @@ class Renderer:
         if not isinstance(quality, str) or quality not in QUALITIES:
             raise unknown_name("render_quality", quality, list(QUALITIES))
         within("picture_dt", picture_dt, 0, LONGEST_BETWEEN, " s")
-        self.camera, self.width, self.height = camera, width, height
-        self.quality, self.picture_dt = QUALITIES[quality], picture_dt
+        self.beside: Callable[[], Sequence[Capsule]] | None = None
+        self._config, self._edits, self._camera = config, edits, camera
+        self._width, self._height, self._picture_dt = width, height, picture_dt
+        self._quality = QUALITIES[quality]
+        self._drawn: tuple[mujoco.MjModel, mujoco.MjData] | None = None
         self._last: tuple[float, NDArray[np.uint8]] | None = None
         self._offscreen: Any = None
         self._window: Any = None
@@ -122,15 +124,8 @@ class Renderer:
         self._process = os.getpid()
         self._shown = 0.0
 
-    def picture(
-        self, model: mujoco.MjModel, data: mujoco.MjData, beside: Sequence[Capsule] = ()
-    ) -> NDArray[np.uint8]:
-        """Returns a picture of the scene, shape (height, width, 3).
-
-        Args:
-            model: The model.
-            data: Its pose.
-            beside: What is drawn beside the model.
+    def picture(self, posture: Posture) -> NDArray[np.uint8]:
+        """Returns a picture of the arm, shape (height, width, 3).
 
         Raises:
             RenderingUnavailableError: This machine has no OpenGL.
@@ -138,22 +133,35 @@ class Renderer:
         """
         if self._last is not None:
             begin, picture = self._last
-            if 0 < data.time - begin < self.picture_dt - 1e-9:
+            if 0 < posture.time - begin < self._picture_dt - 1e-9:
                 return picture.copy()
+        model, data = self._posed(posture)
         cameras = [model.camera(i).name for i in range(model.ncam)]
-        if self.camera not in cameras:
-            raise unknown_name("camera", self.camera, cameras)
+        if self._camera not in cameras:
+            raise unknown_name("camera", self._camera, cameras)
         offscreen = self._opengl(model)
-        offscreen.update_scene(data, camera=self.camera)
-        _add(beside, offscreen.scene)
+        offscreen.update_scene(data, camera=self._camera)
+        _add(self.beside() if self.beside else (), offscreen.scene)
         picture = offscreen.render().copy()
-        if self.picture_dt > 0:
-            self._last = data.time, picture.copy()
+        if self._picture_dt > 0:
+            self._last = posture.time, picture.copy()
         return picture
 
     def forget(self) -> None:
-        """Makes the next picture a new one, whatever time has passed."""
+        """Forgets the last picture: the next call of `picture` draws a new one."""
         self._last = None
+
+    def _posed(self, posture: Posture) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        if self._drawn is None:
+            model = compose(self._config, edits=self._edits)
+            self._drawn = model, mujoco.MjData(model)
+        model, data = self._drawn
+        data.time, data.qpos[:] = posture.time, posture.position
+        for i in range(model.ngeom):
+            if model.geom(i).name.startswith(CARRIED):
+                model.geom_group[i] = SEEN if posture.loaded else HIDDEN
+        mujoco.mj_fwdPosition(model, data)
+        return model, data
 
     def _opengl(self, model: mujoco.MjModel) -> mujoco.Renderer:
         if self._offscreen is not None and self._process != os.getpid():
@@ -163,42 +171,34 @@ class Renderer:
             )
         if self._offscreen is None:
             self._process = os.getpid()
-            self.quality.ask(model)
+            self._quality.ask(model)
             buffer = model.vis.global_
-            buffer.offwidth = max(buffer.offwidth, self.width)
-            buffer.offheight = max(buffer.offheight, self.height)
+            buffer.offwidth = max(buffer.offwidth, self._width)
+            buffer.offheight = max(buffer.offheight, self._height)
             try:
-                if Renderer._unavailable is None:
-                    self._offscreen = mujoco.Renderer(model, self.height, self.width)
+                if ArmRenderer._unavailable is None:
+                    self._offscreen = mujoco.Renderer(model, self._height, self._width)
             except Exception as error:  # GL back ends raise exceptions of any class
-                Renderer._unavailable = f"{type(error).__name__}: {error}"
+                ArmRenderer._unavailable = f"{type(error).__name__}: {error}"
         if self._offscreen is None:
             raise RenderingUnavailableError(
-                f"no OpenGL context ({Renderer._unavailable}): on a machine without a display "
+                f"no OpenGL context ({ArmRenderer._unavailable}): on a machine without a display "
                 "install libegl1 and set MUJOCO_GL=egl before Python starts"
             )
         flags = self._offscreen.scene.flags
-        flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = self.quality.reflection
+        flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = self._quality.reflection
         return self._offscreen
 
-    def show(
-        self,
-        model: mujoco.MjModel,
-        data: mujoco.MjData,
-        period: float,
-        beside: Sequence[Capsule] | None = None,
-    ) -> None:
+    def show(self, posture: Posture, period: float) -> None:
         """Opens a window at the first call, and updates it at most once per `period` [s].
 
-        Args:
-            model: The model.
-            data: Its pose.
-            period: Least time between updates [s].
-            beside: What is drawn beside the model, for which the camera begins farther away.
+        The camera of the window begins farther away if capsules are drawn beside the arm.
 
         Raises:
             RenderingUnavailableError: No window can be opened on this machine, or it was closed.
         """
+        beside = None if self.beside is None else self.beside()
+        model, data = self._posed(posture)
         if self._window is None:
             if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
                 raise RenderingUnavailableError(
@@ -207,7 +207,7 @@ class Renderer:
             import mujoco.viewer
 
             others = set(threading.enumerate())
-            self.quality.ask(model)
+            self._quality.ask(model)
             try:
                 self._window = mujoco.viewer.launch_passive(model, data)
             except Exception as error:
@@ -235,69 +235,18 @@ class Renderer:
             if part is not None:
                 part.close()
         for thread in self._window_threads:
-            thread.join(WINDOW_CLOSES)  # a process that ends before its window crashes
+            thread.join(WINDOW_CLOSES)  # a process crashes if it ends before its window
         self._offscreen, self._window, self._window_threads = None, None, set()
         self._last = None
         give_back()
 
     def __getstate__(self) -> dict[str, Any]:
         fresh = {"_offscreen": None, "_window": None, "_window_threads": set(), "_last": None}
-        return {**self.__dict__, **fresh}
+        return {**self.__dict__, **fresh, "_drawn": None, "beside": None}
 
 
 def _add(capsules: Sequence[Capsule], scene: mujoco.MjvScene) -> None:
-    """Adds capsules to a scene, as many as it has place for."""
+    """Adds as many capsules to a scene as the scene has room for."""
     for geom, capsule in zip(scene.geoms[scene.ngeom :], capsules, strict=False):
         capsule.into(geom)
         scene.ngeom += 1
-
-
-class ArmRenderer:
-    """Draws one arm; it composes the drawn model for the first picture.
-
-    Args:
-        config: Configuration of the arm.
-        edits: What a task adds to the model.
-        **options: Options of `Renderer`.
-
-    Attributes:
-        beside: Function that returns what is drawn beside the arm; None for nothing.
-    """
-
-    def __init__(self, config: ArmConfig, edits: Edits | None = None, **options: Any) -> None:
-        self.renderer, self._config, self._edits = Renderer(**options), config, edits
-        self._drawn: tuple[mujoco.MjModel, mujoco.MjData] | None = None
-        self.beside: Callable[[], Sequence[Capsule]] | None = None
-
-    def picture(self, posture: Posture) -> NDArray[np.uint8]:
-        """Returns a picture of the arm, shape (height, width, 3); see `Renderer.picture`."""
-        beside = () if self.beside is None else self.beside()
-        return self.renderer.picture(*self._posed(posture), beside)
-
-    def show(self, posture: Posture, period: float) -> None:
-        """Shows the arm in a window; see `Renderer.show`."""
-        beside = None if self.beside is None else self.beside()
-        self.renderer.show(*self._posed(posture), period, beside)
-
-    def forget(self) -> None:
-        """Makes the next picture a new one, whatever time has passed."""
-        self.renderer.forget()
-
-    def close(self) -> None:
-        """Frees the OpenGL objects; later calls do nothing."""
-        self.renderer.close()
-
-    def _posed(self, posture: Posture) -> tuple[mujoco.MjModel, mujoco.MjData]:
-        if self._drawn is None:
-            model = compose(self._config, edits=self._edits)
-            self._drawn = model, mujoco.MjData(model)
-        model, data = self._drawn
-        data.time, data.qpos[:] = posture.time, posture.position
-        for i in range(model.ngeom):
-            if model.geom(i).name.startswith(CARRIED):
-                model.geom_group[i] = SEEN if posture.loaded else HIDDEN
-        mujoco.mj_fwdPosition(model, data)
-        return model, data
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_drawn": None, "beside": None}

@@ -22,9 +22,9 @@ from .vector_env import ArmVectorEnv
 class ArmVecEnv(VecEnv):
     """Adapter of an `ArmVectorEnv` for Stable-Baselines3, with the same episodes.
 
-    The info of a row whose episode goes on is empty, and one dict is shared by all of them. Where
-    an episode has ended it contains `terminal_observation`, `TimeLimit.truncated` and `is_success`,
-    which learners log, and `episode_costs`, the `cost_terms` of the episode.
+    The infos of all rows whose episode goes on are one empty dict. The info of an ended episode has
+    `terminal_observation`, `TimeLimit.truncated` and `is_success`, which learners log, and
+    `episode_costs`, the `cost_terms` of the episode.
 
     Args:
         arms: Vector environment with `autoreset_mode="SameStep"`.
@@ -44,10 +44,9 @@ class ArmVecEnv(VecEnv):
         self._actions = np.zeros(arms.action_space.shape or (), np.float32)
 
     def seed(self, seed: int | Sequence[int] | None = None) -> Sequence[int | None]:
-        """Sets the seeds of the next reset; returns them.
+        """Sets the seeds of the next reset; returns the seeds.
 
-        Args:
-            seed: Seed of row 0, where row i has seed + i; or one seed for every row. None draws it.
+        A single seed is that of row 0, and row i has seed + i. None draws the seeds.
         """
         if isinstance(seed, Sequence | np.ndarray):
             self._seeds = [*seed]
@@ -58,7 +57,10 @@ class ArmVecEnv(VecEnv):
         """Begins a new episode in every row, with the seeds that `seed` has set."""
         seeds = self._seeds if any(seed is not None for seed in self._seeds) else None
         if any(self._options):
-            raise InputError(f"reset got the options {self._options[0]}: it knows none")
+            raise InputError(
+                f"reset got the options {shown(self._options[0])}: there are no such options; "
+                "leave them out"
+            )
         observation, _ = self.arms.reset(seed=seeds)
         self.reset_infos = [{}] * self.num_envs
         self._reset_seeds()
@@ -126,7 +128,7 @@ class ArmVecEnv(VecEnv):
     def _all_of(self, what: str, indices: Any) -> None:
         if self._rows(indices) != list(range(self.num_envs)):
             raise InputError(
-                f"{what} got the indices {indices}: all rows are one environment, so leave them out"
+                f"{what} got the indices {indices}: all rows are one environment; leave indices out"
             )
 
 
@@ -192,5 +194,5 @@ class ResidualVecEnv(VecEnvWrapper):
         self._given = memory["given"]
 
     def seen(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Returns what the learner observes: the arms, and the actions of the policy for them."""
+        """Returns the observations of the learner: those of the arms, then the policy's actions."""
         return np.concatenate([observation, self._given], axis=1, dtype=np.float32)

@@ -7,9 +7,9 @@
     >>> setup.arm.suit, setup.arm.gravity, setup.fatigue
     ('emu-like', 'moon', False)
 
-A setup is plain data that never changes, and that single and vector environments share: all checks
-of options are made here, and nothing below asks again. `DEFAULTS` are the options that are not
-given, and `Task` decides place and fatigue.
+A setup is plain data that never changes, and that single and vector environments share. All checks
+of options are made here and nowhere else. `DEFAULTS` has the values of options that are not given;
+`Task` decides place and fatigue.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,8 +45,8 @@ class Setup:
         arm: Wearer, suit, exoskeleton, load and place.
         sensors: Names of the sensor suites that make up the observation.
         normalize: Whether observations are divided by constants, to the size of 1.
-        history: Number of control periods, the present one and those before it, whose observations
-            make up one, newest first; the first one of an episode stands for those before it.
+        history: Number of control periods whose observations make up one observation, the newest
+            first; the first observation of an episode also stands for the periods before it.
         control_dt: Time between actions [s]; it is a multiple of the physics step and divides
             0.02 s.
         control: The wearer's control of the arm, whose default delay is the multiple of
@@ -56,10 +56,10 @@ class Setup:
         randomize: What differs from episode to episode beside the motion.
         sensing: Noise, delay and bandwidth of sensors.
         faults: Faults of sensors and motors.
-        belief: Arm that the suite "belief" believes in, given by the fields of `arm` in which it
-            differs from the simulated one, such as {"suit": "elbow.json"}; it never follows what
-            `randomize` draws. None without that suite.
-        reward: Function that rewards in place of the shipped reward, or its place as
+        belief: Arm that the suite "belief" believes in, given by the fields of `arm` in which the
+            believed arm differs from the simulated arm, such as {"suit": "elbow.json"}. The belief
+            never follows the draws of `randomize`. None without that suite.
+        reward: Function that replaces the shipped reward, or the place of this function as
             "package.module:function"; see `OwnReward`. Scores of evaluations do not change.
     """
 
@@ -78,11 +78,10 @@ class Setup:
 
     @classmethod
     def of(cls, task: Task, options: Mapping[str, Any]) -> "Setup":
-        """Returns the setup of an environment.
+        """Returns the setup of an environment, from options by their names.
 
-        Args:
-            task: Task, which decides place and fatigue where no option does.
-            options: Options by their names; those of `level` apply where none is given.
+        The options of a `level` apply where none is given; the task decides place and fatigue where
+        no option does.
         """
         refuse_old_names(options, {"taught": "learned_torque", "episodes": "motions"})
         for name in options:
@@ -94,23 +93,14 @@ class Setup:
         own = {name: found[name] for name in found.keys() - OF_ARM if found[name] is not None}
         own = {**DEFAULTS, "fatigue": task.fatigue, **own}
         _check_period(own["control_dt"], arm.timestep)
-        usual_control = VoluntaryControl()
-        delay = round(usual_control.delay / own["control_dt"]) * own["control_dt"]
-        usual_control = replace(usual_control, delay=delay)
-        setup = cls(
-            arm=arm,
-            sensors=checked_sensors(own["sensors"]),
-            normalize=own["normalize"],
-            history=own["history"],
-            control_dt=own["control_dt"],
-            control=nested("control", own["control"], usual_control),
-            fatigue=own["fatigue"],
-            randomize=nested("randomize", own["randomize"], Randomization()),
-            sensing=nested("sensing", own["sensing"], Sensing()),
-            faults=nested("faults", own["faults"], Faults()),
-            belief=_believed(own["belief"], arm, own["sensors"]),
-            reward=None if own["reward"] is None else OwnReward(own["reward"]),
-        )
+        own["sensors"] = checked_sensors(own["sensors"])
+        usual: VoluntaryControl = _NESTED["control"]
+        delay = round(usual.delay / own["control_dt"]) * own["control_dt"]
+        groups = {**_NESTED, "control": replace(usual, delay=delay)}
+        own |= {name: nested(name, own[name], default) for name, default in groups.items()}
+        own["belief"] = _believed(own["belief"], arm, own["sensors"])
+        own["reward"] = None if own["reward"] is None else OwnReward(own["reward"])
+        setup = cls(arm=arm, **own)
         if setup.faults.stopped and arm.coupling == "none":
             raise InputError(
                 f"faults.stopped is {list(setup.faults.stopped)}, and coupling is 'none', where "
@@ -124,29 +114,22 @@ class Setup:
 
 OF_ARM = frozenset(one.name for one in fields(ArmConfig))
 OPTIONS = OF_ARM | {one.name for one in fields(Setup)} - {"arm"} | {"level"}
-"""Names of the options of an environment, and of those that are options of its arm."""
+"""Names of the options of an environment; `OF_ARM` are the options of its arm."""
 
-DEFAULTS: dict[str, Any] = {
-    "sensors": DEFAULT_SENSORS,
-    "normalize": False,
-    "history": 1,
-    "control_dt": 0.01,
-    "control": {},
-    "randomize": {},
-    "sensing": {},
-    "faults": {},
-    "belief": None,
-    "reward": None,
+_NESTED: dict[str, Any] = {
+    "control": VoluntaryControl(),
+    "randomize": Randomization(),
+    "sensing": Sensing(),
+    "faults": Faults(),
 }
-
+DEFAULTS: dict[str, Any] = {
+    **{"sensors": DEFAULT_SENSORS, "normalize": False, "history": 1, "control_dt": 0.01},
+    **{"belief": None, "reward": None, **{group: {} for group in _NESTED}},
+}
 
 _FIELDS = {
     group: {one.name for one in fields(default)}
-    for group, default in {
-        **vars(ArmConfig()),
-        **{"control": VoluntaryControl(), "randomize": Randomization()},
-        **{"sensing": Sensing(), "faults": Faults()},
-    }.items()
+    for group, default in {**vars(ArmConfig()), **_NESTED}.items()
     if is_dataclass(default)
 }
 _PATHS = [f"{group}.{name}" for group, names in _FIELDS.items() for name in names]
@@ -166,7 +149,7 @@ def _believed(given: Any, arm: ArmConfig, sensors: Sequence[str]) -> ArmConfig |
         return nested("belief", {} if given is None else given, arm)
     if given is not None:
         raise InputError(
-            f"belief is {shown(given)}, and sensors is {list(sensors)}: add 'belief' to them"
+            f"belief is {shown(given)}, and sensors is {list(sensors)}: add 'belief' to sensors"
         )
     return None
 

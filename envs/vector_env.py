@@ -20,11 +20,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ..checks import at_least, flag
-from ..errors import InputError, refuse_old_names, shown, unknown_name
-from .episodes import Episodes, checked_seed
+from ..checks import at_least, check_seed, flag
+from ..errors import InputError, shown, unknown_name
+from .episodes import Episodes
 from .rendering import ArmRenderer, RenderQuality
 from .setup import Setup
+from .simulation.episode_plan import series
 from .tasks import ARM_TRACKING, Task, task_of
 
 InfoKind = Literal["none", "metrics", "full"]
@@ -38,8 +39,7 @@ Bools = NDArray[np.bool_]
 class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDArray[Any]]):
     """Rows of arms in one process: row i is `ArmEnv` with the seed of row i, to the last bit.
 
-    Everything else is as in `ArmEnv`, per row: actions are (num_envs, motors),
-    observations (num_envs, size). All returned arrays are new.
+    Actions have the shape (num_envs, motors), observations (num_envs, size).
 
     Args:
         num_envs: Number of rows.
@@ -60,10 +60,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: Width of a picture [pixels].
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
-        learned_torque: Whether a reset takes what wearers have learned, as the options
-            `learned_torque` and `learned_contraction`.
-        effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
-        **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
+        learned_torque: Whether a reset takes the options `learned_torque` and
+            `learned_contraction` of wearers who have learned.
+        effort_scale: Effort by which the reward is scaled; by default that of the suited arm.
+        **options: Options of the environment, as in `ArmEnv`. The draws of `randomize` differ
             between rows.
 
     Attributes:
@@ -119,14 +119,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
-        self.renderer = ArmRenderer(
-            simulation.config,
-            self.episodes.task.edits,
-            camera=camera,
-            width=width,
-            height=height,
-            quality=render_quality,
-        )
+        look = camera, width, height, render_quality
+        self.renderer = ArmRenderer(simulation.config, task.edits, *look)
         self.layout = self.episodes.observer.layout
         self.single_observation_space = self.episodes.observer.space
         motors = (self.episodes.motors,)
@@ -229,25 +223,17 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     # --- State --------------------------------------------------------------------------------
 
     def get_state(self, rows: Sequence[int] | None = None) -> dict[str, Any]:
-        """Returns the whole state of some rows, as `ArmEnv.get_state` does of one.
-
-        Args:
-            rows: The rows; by default all.
-        """
+        """Returns the whole state of some rows, by default all; see `ArmEnv.get_state`."""
         self.episodes.require_reset("get_state")
         return self.episodes.state(self._checked_rows(rows))
 
     def set_state(
         self, state: dict[str, Any], rows: Sequence[int] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Restores a state in as many rows, which may be others than those that were saved.
+        """Restores a state in as many rows; returns the observations of all rows, and info.
 
-        Args:
-            state: What `get_state` returned, of an `ArmEnv` too.
-            rows: The rows; by default all.
-
-        Returns:
-            The observations of all rows, and info.
+        The state is a result of `get_state`, also of an `ArmEnv`. By default all rows are restored;
+        `rows` may be others than the saved rows.
         """
         chosen = self._checked_rows(rows)
         self.episodes.restore(chosen, state)
@@ -266,8 +252,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         unknown = [name for name in options if name not in (MASK, *LEARNED)]
         if unknown:
             raise InputError(
-                f"reset got the options {shown(unknown)}: it knows {MASK!r}, {LEARNED[0]!r} and "
-                f"{LEARNED[1]!r} only; leave them out"
+                f"reset got the options {shown(unknown)}: use {MASK!r}, {LEARNED[0]!r} and "
+                f"{LEARNED[1]!r} only"
             )
         mask = options.get(MASK)
         if mask is None:
@@ -285,24 +271,15 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def _checked_learned(
         self, options: dict[str, Any], rows: int
     ) -> dict[str, NDArray[np.float64]]:
-        refuse_old_names(options, {"taught": LEARNED[0]})
         shape = (rows, *self.episodes.simulation.state.intention.learned_torque.shape[1:])
-        found = {}
+        found: dict[str, Any] = {}
         for name in LEARNED:
             given = options.get(name)
             if given is None:
                 continue
             if not shape[1]:
                 raise InputError(f"{name} is given: make the environment with learned_torque=True")
-            try:
-                array = np.asarray(given, dtype=float)
-            except (TypeError, ValueError):
-                array = np.empty(0)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise InputError(
-                    f"{name} has shape {array.shape}: give finite numbers of shape {shape}"
-                )
-            found[name] = array
+            found[name] = series(name, given, shape)
         if LEARNED[1] in found and found[LEARNED[1]].min() < 0:
             raise InputError(f"{LEARNED[1]} is {found[LEARNED[1]].min():g} N·m: give 0 or more")
         return found
@@ -322,7 +299,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return chosen.astype(np.int64)
 
     def _infos(self, mask: Bools, *always: str) -> dict[str, Any]:
-        """Returns what no sensor measures of the rows of a mask, in Gymnasium's form."""
+        """Returns the infos of the rows of a mask, in the form of Gymnasium."""
         chosen = {*always, *(METRICS if self._info == "metrics" else ())}
         if self._info == "none" and not always:
             return {}
@@ -351,22 +328,21 @@ def _with_masks(values: dict[str, Any], mask: Bools) -> dict[str, Any]:
 
 
 def _usual_threads() -> int:
-    """Returns OMP_NUM_THREADS if it is a number, and otherwise 0, which takes all cores.
+    """Returns OMP_NUM_THREADS, which users set who run several processes; 0, all cores, if unset.
 
     The threads of a batch wait for each other at every step, which takes long if other processes
-    use the cores too. Users who run several processes set that variable for all libraries.
+    use the cores too.
     """
     given = os.environ.get("OMP_NUM_THREADS", "")
     return min(int(given), MOST_THREADS) if given.isdecimal() else 0
 
 
 def _mode(given: AutoresetMode | str) -> AutoresetMode:
-    modes = {mode.value: mode for mode in AutoresetMode}
-    if isinstance(given, AutoresetMode):
-        return given
-    if not isinstance(given, str) or given not in modes:
-        raise unknown_name("autoreset_mode", given, modes)
-    return modes[given]
+    try:
+        return AutoresetMode(given)
+    except ValueError:
+        modes = [mode.value for mode in AutoresetMode]
+        raise unknown_name("autoreset_mode", given, modes) from None
 
 
 def _seeds(given: Any, rows: int) -> list[int | None] | None:
@@ -378,7 +354,7 @@ def _seeds(given: Any, rows: int) -> list[int | None] | None:
     if isinstance(given, list | tuple | range):
         if len(given) != rows:
             raise InputError(f"seed has {len(given)} numbers: give one for each of {rows} rows")
-        return [None if seed is None else checked_seed(seed) for seed in given]
-    first = checked_seed(given)
-    checked_seed(first + rows - 1)
+        return [None if seed is None else check_seed(seed) for seed in given]
+    first = check_seed(given)
+    check_seed(first + rows - 1)
     return [first + row for row in range(rows)]

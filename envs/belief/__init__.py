@@ -1,6 +1,6 @@
 """What a controller believes of the arm: the suit's torque, weight, inertia and levers."""
 
-from ..model.encoders import count_of
+from ..model.exoskeleton import count_of
 from .arm import Belief, BelievedArm
 from .rigid import BelievedWeight, CuffLevers
 from .suit import LEAD, BelievedSuit, JointBelief, belief_of

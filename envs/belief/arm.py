@@ -1,4 +1,4 @@
-"""What a controller believes of person, suit and load, which need not be what is simulated."""
+"""Beliefs of a controller about person, suit and load, which may differ from the simulation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from ...assets import AnySuit, SuitJoint
 from ...errors import InputError
 from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
 from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
-from ..model.encoders import count_of
+from ..model.exoskeleton import count_of
 from ..model.workplace import Edits
 from ..person import Person
 from ..provenance import check_settings, setting
@@ -20,9 +20,9 @@ from .suit import BelievedSuit
 
 @dataclass(frozen=True, kw_only=True)
 class Belief:
-    """What differs in the believed arm from the options of the environment; plain values.
+    """Differences of the believed arm from the options of the environment, as plain values.
 
-    What an episode draws at random is never part of it, nor what a task puts into the hand.
+    A belief never contains the random draws of an episode, nor the loads of a task.
 
     Attributes:
         suit: Suit, or its name or file; None is that of the options.
@@ -42,11 +42,7 @@ class Belief:
         check_settings(self, "the believed ")
 
     def of(self, config: ArmConfig) -> ArmConfig:
-        """Returns the configuration of the believed arm.
-
-        Args:
-            config: Configuration of the simulated arms.
-        """
+        """Returns the configuration of the believed arm, from that of the simulated arms."""
         changes: dict[str, Any] = {}
         if self.suit is not None:
             changes |= {"suit": self.suit, "pressure": None}
@@ -95,7 +91,7 @@ class BelievedArm:
         return BelievedSuit(joints, count_of(self.config.exo.encoder_bits), self._dt)
 
     def model(self) -> mujoco.MjModel:
-        """Returns the model of the believed arm with all that it wears and carries."""
+        """Returns the model of the believed arm with suit, exoskeleton, load and tools."""
         return compose(self.config, drawn=False, edits=self._edits)
 
     def whole_weight(self) -> BelievedWeight:

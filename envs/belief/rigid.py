@@ -50,21 +50,20 @@ class Trigonometric:
         self._degree, self._first, self._shape = degree, first, values.shape[1:]
 
     def __sub__(self, other: Self) -> Self:
-        """Returns what one model has and the other has not."""
+        """Returns the difference of two models."""
         rest = copy.copy(self)
         rest.coefficients = self.coefficients - other.coefficients
         return rest
 
     def __call__(self, angle: Array) -> Array:
-        """Returns the values, shape (n, ...).
-
-        Args:
-            angle: Angles of the four joints [rad], shape (n, 4).
-        """
+        """Returns the values, shape (n, ...), at angles of the four joints [rad], shape (n, 4)."""
         return self.slope(angle, self._first - 1)
 
     def slope(self, angle: Array, joint: int) -> Array:
-        """Returns the derivative with respect to a joint's angle, or the values for one before."""
+        """Returns the derivative with respect to the angle of a joint.
+
+        For a joint before the first joint of the function, these are the values themselves.
+        """
         found = np.zeros((len(angle), self.coefficients.shape[1]))
         given = np.ascontiguousarray(angle[:, self._first :])
         _sum(given, self._degree, joint - self._first, self.coefficients, found)
@@ -140,14 +139,13 @@ BENT = (0.0, 0.0, np.pi / 2, 0.0)  # rad, hanging upper arm and level forearm
 
 
 class BelievedInertia(Trigonometric):
-    """The mass matrix of an arm with all that it wears and carries, at any pose.
+    """The mass matrix of an arm with suit, exoskeleton, load and tools, at any pose.
 
-    As a function of the four angles it gives matrices [kg·m²], shape (n, 4, 4). The matrix depends
-    on the joints below the first one alone.
+    As a function of the four angles it gives matrices [kg·m²], shape (n, 4, 4), which depend only
+    on the joints below the first joint.
 
-    Args:
-        model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken at
-            the same angles as the arm's.
+    Args: model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken
+    at the same angles as the arm's.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -166,22 +164,16 @@ class BelievedInertia(Trigonometric):
         super().__init__(at, 2, first=1)
 
     def nominal(self) -> Array:
-        """Returns what each assisted joint moves alone where the elbow is bent [kg·m²], (2,)."""
+        """Returns the inertia of each assisted joint with a bent elbow [kg·m²], shape (2,)."""
         matrix = self(np.array([BENT]))[0]
         return matrix[ASSISTED_PLACES, ASSISTED_PLACES]
 
     def momentum(self, angle: Array, rate: Array) -> tuple[Array, Array]:
-        """Returns generalized momentum of the assisted joints, and its rate due to motion.
+        """Returns the generalized momentum of the assisted joints, and its rate due to motion.
 
-        The momentum p = M q' changes by the torques on the arm and by C'q', which is half the
-        derivative of q'M q' with respect to the joint's angle.
-
-        Args:
-            angle: Angles of the four joints [rad], shape (n, 4).
-            rate: Their rates [rad/s], the same shape.
-
-        Returns:
-            The momentum [N·m·s], and C'q' [N·m], shape (n, 2) each.
+        Angles [rad] and rates [rad/s] of the four joints have the shape (n, 4), momentum [N·m·s]
+        and rate [N·m] the shape (n, 2). The momentum p = M q' changes by the torques on the arm and
+        by C'q', which is half the derivative of q'M q' with respect to the angle of the joint.
         """
         momentum = (self(angle)[:, ASSISTED_PLACES] * rate[:, None]).sum(-1)
         squares = (rate[:, :, None] * rate[:, None]).reshape(len(rate), -1)
@@ -205,7 +197,7 @@ class CuffLevers(Trigonometric):
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        # What a joint moves, seen from there, does not depend on that joint nor on those above it.
+        # The motion due to a joint, in its frame, depends on the joints below alone.
         super().__init__(_levers(model), 1, first=1)
 
 

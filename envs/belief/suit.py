@@ -1,6 +1,7 @@
-"""A controller's model of the suit: the torque that it resists with, from a memory of its own."""
+"""A controller's model of the suit: its resistance, from a memory of the controller."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..model import ASSISTED
 from ..provenance import numbers_of, values_of
 
 PROVENANCE = numbers_of("belief")
-LEAD = values_of(PROVENANCE)["belief.lead"]  # [s], time by which the motors answer late
+LEAD = values_of(PROVENANCE)["belief.lead"]  # [s], delay of the motors
 DEAD_BAND = 1.5  # [encoder counts], greatest change that counts as no motion
 
 
@@ -21,7 +22,7 @@ class JointBelief(Protocol):
 
     @property
     def memory_size(self) -> int:
-        """Number of values in its memory, of which the first is the last angle [rad]."""
+        """Number of values in the memory; the first value is the last angle [rad]."""
         ...
 
     def begin(self) -> Array:
@@ -52,19 +53,19 @@ class _OfSuit:
 class BelievedSuit:
     """Predicts the suit's torque at the assisted joints, shoulder and elbow, for rows of arms.
 
-    `plant.believed(belief).suit()` makes one for a policy: of the suit, file or pressure of the
-    belief, with the encoders' resolution and the control period. The memory of n arms is an array
-    of the caller, which `begin` makes at a reset and `follow` moves on once per control period; so
-    it can be saved, copied and branched.
+    `plant.believed(belief).suit()` makes the model for a policy, from the suit, file or pressure of
+    the belief, the encoders' resolution and the control period. The memory of n arms is an array of
+    the caller, which `begin` makes at a reset and `follow` advances once per control period, so
+    that the memory can be saved, copied and branched.
 
     The memory follows measured angles; a change of one encoder count is no motion. The torque is
-    that at the angle where the joint will be when the motors have answered: the measured angle plus
-    0.02 s of the measured rate. It does not need the wearer's intention. The dashpot of a
-    viscoelastic model resists the measured rate; its Maxwell element follows the measured angle.
+    that at the angle of the joint when the motors have answered: the measured angle plus 0.02 s of
+    the measured rate. The wearer's intention is not needed. The dashpot of a viscoelastic model
+    resists the measured rate; its Maxwell element follows the measured angle.
 
     Args:
-        joints: Joints of the suit, or other beliefs about them, which need not be of the simulated
-            one; a joint that is missing gives no torque.
+        joints: Joints of a suit, which need not be the simulated suit, or other beliefs about
+            joints; a missing joint gives no torque.
         count: Angle of one encoder count [rad].
         dt: Time from one angle to the next [s].
 
@@ -80,57 +81,50 @@ class BelievedSuit:
     ) -> None:
         self.dead_band, self.dt = DEAD_BAND * count, dt
         self.joints = {name: joints[name] for name in ASSISTED if name in joints}
-        self._entries: dict[int, JointBelief] = {}
-        self._viscoelastic: dict[int, Viscoelastic] = {}
-        for i, name in enumerate(ASSISTED):
-            if name in joints:
-                joint = joints[name]
-                self._entries[i] = belief_of(joint)
-                if isinstance(joint, SuitJoint) and isinstance(joint.model, Viscoelastic):
-                    self._viscoelastic[i] = joint.model
-        self._places: dict[int, slice] = {}
-        end = len(ASSISTED)
-        for i, entry in self._entries.items():
-            begin, end = end, end + entry.memory_size
-            self._places[i] = slice(begin, end)
-        self._elements = {i: end + 2 * n for n, i in enumerate(self._viscoelastic)}
-        self.size = end + 2 * len(self._elements)
+        self._entries = [
+            (i, belief_of(joints[name])) for i, name in enumerate(ASSISTED) if name in joints
+        ]
+        found = [
+            (i, joint.model)
+            for i, joint in enumerate(map(joints.get, ASSISTED))
+            if isinstance(joint, SuitJoint) and isinstance(joint.model, Viscoelastic)
+        ]
+        sizes = [len(ASSISTED), *(entry.memory_size for _, entry in self._entries)]
+        ends = np.cumsum(sizes).tolist()
+        self._places = [slice(*pair) for pair in pairwise(ends)]
+        # Each Maxwell element has two values behind the memories of the models.
+        self._elements = [(i, model, ends[-1] + 2 * n) for n, (i, model) in enumerate(found)]
+        self.size = ends[-1] + 2 * len(found)
 
     def begin(self, angle: Array) -> Array:
-        """Returns memories in the suit's initial state, shape (n, size).
+        """Returns memories in the initial state of the suit, shape (n, size).
 
-        Args:
-            angle: Measured angles of the assisted joints [rad], shape (n, 2).
+        `angle` are the measured angles of the assisted joints [rad], shape (n, 2).
         """
         memory = np.zeros((len(angle), self.size))
         memory[:, : len(ASSISTED)] = angle
-        for i, entry in self._entries.items():
-            memory[:, self._places[i]] = entry.begin()
-        for i, place in self._elements.items():
+        for (_, entry), place in zip(self._entries, self._places, strict=True):
+            memory[:, place] = entry.begin()
+        for i, _, place in self._elements:
             memory[:, place] = angle[:, i]
         return memory
 
     def follow(self, memory: Array, angle: Array, rate: Array, lead: float = LEAD) -> Array:
         """Advances memories, in place; returns the resistance after `lead` [N·m], shape (n, 2).
 
-        Motors that give this torque cancel the suit. It is positive against positive motion; the
-        torque of the suit on the joint is minus this.
-
-        Args:
-            memory: Memories, shape (n, size).
-            angle: Measured angles of the assisted joints [rad], shape (n, 2).
-            rate: Measured rates [rad/s], the same shape.
-            lead: Time until the motors have answered [s].
+        Motors that give this torque cancel the suit. The resistance is positive against positive
+        motion; the torque of the suit on the joint is minus the resistance. Memories have the shape
+        (n, size), measured angles [rad] and rates [rad/s] of the assisted joints the shape (n, 2),
+        and `lead` is the time until the motors have answered [s].
         """
         followed, soon = memory[:, : len(ASSISTED)], angle + lead * rate
         moved = np.abs(angle - followed) > self.dead_band
         followed[moved] = angle[moved]
         torque = np.zeros_like(soon)
-        for i, entry in self._entries.items():
-            kept = memory[:, self._places[i]]
-            torque[:, i] = entry.advance(kept, followed[:, i], soon[:, i])
-        for i, model in self._viscoelastic.items():
-            element = memory[:, self._elements[i] : self._elements[i] + 2]
+        for (i, entry), place in zip(self._entries, self._places, strict=True):
+            torque[:, i] = entry.advance(memory[:, place], followed[:, i], soon[:, i])
+        for i, model, place in self._elements:
+            element = memory[:, place : place + 2]
             torque[:, i] += model.damping * rate[:, i]
             if model.relaxation_stiffness > 0:
                 moved = (angle[:, i] - element[:, 0]) / self.dt

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ...assets import JOINTS, Suit, SuitJoint
-from ...checks import within
+from ...checks import pair
 from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig, Payload, suit_of_config
 from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
@@ -52,8 +52,8 @@ class Randomization:
         misalignment: Largest distance, forward, outward and up, by which the exoskeleton sits
             differently than in the configuration [m], up to 0.05; it needs cuffs.
         sensor_noise: Least and greatest factor of the noise of sensors, 0 to 100; None is 1.
-        encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; each
-            encoder's is between minus and plus that.
+        encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; the
+            error of each encoder is drawn between minus and plus this value.
     """
 
     suit: SuitChoice = "nominal"
@@ -79,7 +79,7 @@ class Randomization:
         ):
             given = getattr(self, name)
             if given is not None:
-                object.__setattr__(self, name, _range(f"randomize.{name}", given, most, unit))
+                object.__setattr__(self, name, pair(f"randomize.{name}", given, 0, most, unit))
         for name, example in (
             ("gravity", "of places, such as ['earth', 'moon']"),
             ("suits", "of suits, such as ['mock-suit', 'emu-like']"),
@@ -141,7 +141,7 @@ class Randomization:
         return suits
 
     def suit_of(self, suits: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
-        """Returns the suit of an episode, by joint; None is that of the configuration."""
+        """Returns the suit of an episode, by joint; None for the suit of the configuration."""
         if not suits:
             return None
         number = int(streams("suits").integers(len(suits))) if self.suits else 0
@@ -176,9 +176,9 @@ class Randomization:
         return replace(plan, **changed)
 
     def drawn(self, streams: Streams) -> dict[str, Any]:
-        """Returns what is drawn for an episode beside wearer, suit and plan, as fields of `Start`.
+        """Returns the draws of an episode beside wearer, suit and plan, as fields of `Start`.
 
-        The load and the place are None where they are those of the configuration.
+        Load and place are None if they are those of the configuration.
         """
         payload, place, shift = None, None, np.zeros(3)
         noise, offset = 1.0, np.zeros(len(JOINTS))
@@ -201,17 +201,6 @@ class Randomization:
     def person(self, streams: Streams) -> int:
         """Returns the number of the wearer of an episode."""
         return int(streams("wearers").integers(len(self.wearers))) if self.wearers else 0
-
-
-def _range(name: str, given: object, most: float, unit: str) -> tuple[float, float]:
-    if not isinstance(given, list | tuple) or len(given) != 2:
-        raise InputError(f"{name} is {shown(given)}: give the least and the greatest, two numbers")
-    for value in given:
-        within(name, value, 0, most, unit)
-    low, high = given
-    if low > high:
-        raise InputError(f"{name} is {list(given)}: give the smaller number first")
-    return float(low), float(high)
 
 
 def _scaled(entry: SuitJoint, factor: float) -> SuitJoint:

@@ -5,11 +5,10 @@ from typing import Any
 
 
 class Info(dict[str, Any]):
-    """A dict that is filled when it is first read; most are never read.
+    """A dict that is filled when it is first read; most infos are never read.
 
-    Args:
-        time: The entry "time", which is there at once, since `json` writes an empty dict unread.
-        read: Function that returns the content, as it was when the info was made.
+    `time` is the entry "time", which exists at once, since `json` writes an empty dict unread.
+    `read` returns the content, as of the moment when the info was made.
     """
 
     __slots__ = ("_read",)

@@ -21,23 +21,14 @@ from ..simulation.measurements import WIDTH
 
 @dataclass(frozen=True)
 class Part:
-    """One part of an observation.
+    """One part of an observation."""
 
-    Attributes:
-        name: Name of the part.
-        measurement: Name of the measurement that it shows.
-        limit: Largest size, at which it is clipped.
-        scale: Size that becomes 1 in a normalized observation.
-        unit: Unit of both.
-        shows: Description of the measurement.
-    """
-
-    name: str
-    measurement: str
-    limit: float
-    scale: float
-    unit: str
-    shows: str
+    name: str  # name of the part
+    measurement: str  # name of the shown measurement
+    limit: float  # size at which the part is clipped
+    scale: float  # size that becomes 1 in a normalized observation
+    unit: str  # unit of both
+    shows: str  # description of the measurement
 
 
 DEFAULT_SENSORS = ("encoders",)
@@ -98,7 +89,7 @@ NOISY = ("cuffs", "interaction", "emg")  # suites whose sensors have random nois
 
 
 class Picked(NamedTuple):
-    """Columns that an observation shows, what multiplies each, and its limit, shape (size,)."""
+    """Columns that an observation shows, their factors, and their limits, shape (size,) each."""
 
     columns: NDArray[np.int64]
     factor: Array
@@ -108,19 +99,13 @@ class Picked(NamedTuple):
 class Observer:
     """Picks observations out of measurements.
 
-    Args:
-        sensors: Names of suites from `checked_sensors`, in the order of the observation.
-        columns: Columns of the measurements that there are, by name.
-        normalize: Whether to divide each part by its scale, so that it is of the size of 1.
-        history: Number of observations that make up one.
+    `sensors` are names of suites from `checked_sensors`, in the order of the observation, and
+    `columns` the columns of the measurements that exist, by name. With `normalize` each part is
+    divided by its scale, and `history` observations make up one.
 
-    Attributes:
-        sensors: Names of the suites.
-        normalized: Whether each part is divided by its scale.
-        history: Number of observations that make up one.
-        layout: Slice of the observation that contains each part, by the name of the part; with a
-            history the newest comes first, and the layout is that of the newest.
-        space: Observation space of one row.
+    Attributes: layout: Slice of the observation that contains each part, by the name of the part;
+    with a history the newest observation comes first, and the layout is that of the newest. space:
+    Observation space of one row.
     """
 
     def __init__(

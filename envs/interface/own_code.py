@@ -1,4 +1,4 @@
-"""Code of a user's own, which is named by its place, and whose mistakes become sentences."""
+"""Code of the user, which is named by its place, and whose mistakes become sentences."""
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -14,7 +14,7 @@ Rewarding = Callable[[Mapping[str, Array], Mapping[str, NDArray]], Array]
 
 
 def imported(what: str, place: str, kind: str) -> Any:
-    """Returns what stands at "package.module:name", a class for example (`kind`)."""
+    """Returns the object at "package.module:name", which should be of a kind, such as a class."""
     module, _, name = place.partition(":")
     try:
         return getattr(import_module(module), name)
@@ -26,7 +26,7 @@ def imported(what: str, place: str, kind: str) -> Any:
 
 
 def called(what: str, function: Callable[..., Any], *given: Any, **options: Any) -> Any:
-    """Returns what a function of a user's returns; `what` begins the message if that fails."""
+    """Returns the result of a user's function; `what` begins the sentence of an error."""
     try:
         return function(*given, **options)
     except InputError:
@@ -36,15 +36,13 @@ def called(what: str, function: Callable[..., Any], *given: Any, **options: Any)
 
 
 class OwnReward:
-    """A reward of a user's own, whose mistakes become sentences that name it.
+    """A reward of the user, whose mistakes become sentences that name the reward.
 
-    It is called once per control period for n rows at once, as `function(terms, measured)`:
-    `terms` has the terms of the shipped reward, `effort`, `tracking` and `smoothness`, shape (n,);
-    `measured` has what `info` has, by the same names, shape (n, size), and `lost`, shape (n,),
-    which is true in the control period in which the arm is lost. It returns the reward, shape (n,).
-
-    Args:
-        given: The function, or its place as "package.module:function".
+    The reward is a function, or its place as "package.module:function". It is called once per
+    control period for n rows at once, as `function(terms, measured)`: `terms` has the terms of the
+    shipped reward, `effort`, `tracking` and `smoothness`, shape (n,). `measured` has the content of
+    `info` by the same names, shape (n, size), and `lost`, shape (n,), which is true in the control
+    period in which the arm is lost. The function returns the reward, shape (n,).
     """
 
     def __init__(self, given: str | Rewarding) -> None:

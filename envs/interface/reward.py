@@ -1,12 +1,12 @@
 """The reward of a control period, in [0, 1], and the costs that are reported beside it.
 
-With x the root mean square over four joints of torque over strength, e that of the tracking error,
-and d that of the command's change over both motors,
+With x the root mean square over four joints of torque over strength, e the root mean square of the
+tracking error, and d the root mean square of the command's change over both motors,
 
     reward = 1 / (1 + (x / E)² + (e / 0.1 rad)² + (d / 0.25)²)
 
 where E is the effort of the suited arm without an exoskeleton, a constant of the configuration
-(`suited_effort`). It is never negative, so that an episode that ends early gains nothing.
+(`suited_effort`). The reward is never negative, so that an episode that ends early gains nothing.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ TERMS = ("effort", "tracking", "smoothness")
 ERROR_SCALE = 0.1  # rad
 CHANGE_SCALE = 0.25
 LOST = 1.0  # [rad], tracking error of an assisted joint that ends an episode
-LEAST_EFFORT = 0.01  # share of strength, for arms that need none
+LEAST_EFFORT = 0.01  # share of strength, least effort of an arm
 
 COST_MEANINGS = {
     "cuff_force": "greatest force of a cuff over what a person should bear [1]",
@@ -62,11 +62,11 @@ EVERY = 5  # samples between those that `suited_effort` uses
 
 
 def suited_effort(simulation: Simulation, plans: Sequence[Plan]) -> float:
-    """Returns the effort that motions take in the suit and without an exoskeleton.
+    """Returns the effort of motions in the suit and without an exoskeleton.
 
-    That is the root mean square over time and four joints of the torque of inverse dynamics and the
-    usual co-contraction over the strength of a still joint. It includes weight and inertia of the
-    load in the hand.
+    The effort is the root mean square, over time and four joints, of the torque of inverse dynamics
+    and the usual co-contraction over the strength of a still joint. Weight and inertia of the load
+    in the hand are part of the torque.
     """
     wearer, dt, squares = simulation.config.wearer, simulation.control_dt, []
     chain, arm = Chain.of(simulation.model, dressed=True), simulation.arm_of(0)
@@ -99,7 +99,7 @@ def _force(arm: Arm, plan: Plan, dt: float) -> Array:
 
 
 class Score(NamedTuple):
-    """Rewards and costs of the episodes, and the constants of which they are made."""
+    """Rewards and costs of the episodes, and their constants."""
 
     sums: Annotated[Array, Saved("n sums")]  # reward terms and costs of the episode so far
     reward: Annotated[Array, Scratch("n")]  # reward of the last control period
@@ -113,7 +113,7 @@ class Score(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """The places at which a task judges the hand; without samples if it judges none."""
+    """Places at which a task judges the hand; without samples if it does not judge the hand."""
 
     watched: Annotated[Bools, Saved("n samples")]  # samples that are judged
     hand_places: Annotated[Array, Saved("n samples 3")]  # intended places of the hand [m]
@@ -122,7 +122,7 @@ class Watch(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """What `judge` and `judge_hand` work on."""
+    """Arrays on which `judge` and `judge_hand` work."""
 
     plugin_state: Array  # state of the suits, (n, size)
     sensordata: Array  # sensors of the physics, (n, size)
@@ -134,16 +134,9 @@ class Judged(NamedTuple):
 
 
 class Judge:
-    """Judges the episodes of a task: rewards, costs, ends, and the places of the hand.
+    """Judges the episodes of a task: rewards and costs (`score`), ends, and the hand (`watch`).
 
-    Args:
-        simulation: The simulated arms.
-        task: The task.
-        effort_scale: Effort that rewards are scaled by.
-
-    Attributes:
-        score: Rewards and costs.
-        watch: Places of the hand.
+    Rewards are scaled by `effort_scale`, the effort of the suited arm over strength.
     """
 
     def __init__(self, simulation: Simulation, task: Task, effort_scale: float) -> None:
@@ -201,8 +194,9 @@ class Judge:
 def judge(rows: Whole, moved: bool, arms: Judged) -> None:
     """Computes rewards of the last control period of some rows, and which episodes have ended.
 
-    An episode terminates when the arm is lost, at a pole of the suit's torque, or diverged; that
-    period earns nothing. If rows have `moved`, the period is added to the costs of their episodes.
+    An episode terminates when the arm is lost, at a pole of the suit's torque, or diverged; the
+    last period then earns nothing. If rows have `moved`, the period is added to the costs of their
+    episodes.
     """
     change, episode, measured, score = arms.change, arms.episode, arms.measured, arms.score
     sums, assisted = score.sums, score.assisted
@@ -264,8 +258,8 @@ def account(row: int, dt: float, change: Array, measured: Array, score: Score) -
 def cost_terms(costs: Array, periods: Any) -> dict[str, Any]:
     """Returns the costs of one or more episodes by name; see `COST_MEANINGS`.
 
-    Costs have the shape (13,) for one episode and (n, 13) for several, and so has the number of
-    control periods since the reset, () or (n,).
+    Costs have the shape (13,) for one episode and (n, 13) for several; `periods`, the control
+    periods since the reset, has the shape () or (n,).
     """
     squares = costs[..., [STRAIN, *range(JOINT, WIDTH)]] / np.maximum(1, periods)[..., None]
     effort, joints = np.sqrt(squares[..., 0]), np.sqrt(squares[..., 1:])
@@ -303,13 +297,13 @@ def judge_hand(rows: Whole, arms: Judged) -> None:
 
 
 def failed(costs: Array, periods: int, task: Task, *, ended: bool) -> tuple[Limit, ...]:
-    """Returns the limits of success that an episode does not meet so far, in the task's order."""
+    """Returns the limits of success that an episode does not meet so far."""
     terms = {**cost_terms(costs, periods), "lost": float(ended)}
     return tuple(limit for limit in task.limits if not terms[limit.name] <= limit.value)
 
 
 def is_success(costs: Array, periods: Any, task: Task, *, ended: Any) -> Any:
-    """Returns whether episodes are a success so far: they meet every limit; see `failed`."""
+    """Returns whether episodes meet every limit of success so far; see `failed`."""
     terms = {**cost_terms(costs, periods), "lost": ended}
     found = np.all([terms[limit.name] <= limit.value for limit in task.limits], axis=0)
     return found if costs.ndim > 1 else bool(found)

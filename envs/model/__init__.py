@@ -10,8 +10,7 @@ from .compose import (
     suit_of_config,
 )
 from .config import GRAVITY, ArmConfig, Payload
-from .encoders import quantize, start_encoders
-from .exoskeleton import ASSISTED, Exo
+from .exoskeleton import ASSISTED, Exo, quantize, start_encoders
 from .motors import Motor, thermal_step
 from .variants import mirror
 

@@ -82,19 +82,19 @@ def triple(values, first):
 
 @njit(inline="always")
 def column(R, i):
-    """Returns the axis number i of a frame."""
+    """Returns axis number i of the frame R."""
     return R[i], R[3 + i], R[6 + i]
 
 
 @njit(inline="always")
 def into(R, a):
-    """Returns R^T a: a vector of the world in the axes of a frame."""
+    """Returns R^T a: the vector a of the world, in the axes of the frame R."""
     return dot(column(R, 0), a), dot(column(R, 1), a), dot(column(R, 2), a)
 
 
 @njit(inline="always")
 def out_of(R, a):
-    """Returns R a: a vector of a frame in the axes of the world."""
+    """Returns R a: the vector a of the frame R, in the axes of the world."""
     return dot(triple(R, 0), a), dot(triple(R, 3), a), dot(triple(R, 6), a)
 
 
@@ -164,28 +164,23 @@ def load(p, arm, Ra, Rb, rate, spin):
 
 
 PLUGIN_NAME = "activesuit.bushing"
-# Config keys in the order in which MuJoCo stores their values; the numeric ones come last, in the
-# order of the parameter vector.
+# Config keys in the order in which MuJoCo stores their values; the keys of numbers come last, in
+# the order of the parameter vector.
 KEYS = (
-    "limb",
-    "exo",
-    "stiffness",
-    "rotational_stiffness",
-    "damping",
-    "rotational_damping",
-    "offset",
+    *("limb", "exo", "stiffness", "rotational_stiffness"),
+    *("damping", "rotational_damping", "offset"),
 )
 FIRST_NUMBERS = 2
 LARGEST_OFFSET = 0.1  # m
 
-# Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 is none.
+# Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 means no number.
 BITS, LARGEST = 12, 2**12 - 1
 WIDTH = np.int64(BITS)
 SENSORS = b"force torque energy"  # endings of the names of sensors, from `FORCE_SENSOR` on
 LIMB, EXO = range(2)
 FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = map(np.int64, (2, 3, 4))
 
-# A fault is a reason and the config key it is about, LIMB where it is about the instance.
+# A fault is a reason and the number of a config key; LIMB stands for the whole instance.
 FINE, NO_SITE, SAME_BODY, NOT_STIFFNESS, NOT_OFFSET, SENSOR_NAME, SENSOR_TWICE, TOO_LARGE = range(8)
 SENTENCES = (
     b"",
@@ -193,8 +188,7 @@ SENTENCES = (
     b"it is on the same body as the limb site; name one on another",
     b"give three finite numbers of at least 0",
     b"give three finite numbers from -0.1 to 0.1 m",
-    b"the name of each of its sensors must end in force, torque or energy, which is what it "
-    b"measures",
+    b"end the name of each of its sensors with the measured force, torque or energy",
     b"two of its sensors measure the same; leave one out",
     b"the model has more than 4094 sites or sensors; make it smaller",
 )
@@ -211,12 +205,6 @@ Layout = namedtuple(
 """The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
 
 
-@njit(inline="always")
-def number_of(ids, kind):
-    """Returns the number of a site or sensor, or -1."""
-    return packed(ids, kind, WIDTH)
-
-
 @njit(cache=True)
 def connect(m, instance, at):
     """Returns (fault, packed ids of the two sites and this instance's sensors)."""
@@ -229,7 +217,7 @@ def connect(m, instance, at):
             return (NO_SITE, end), 0
         ids |= (site + 1) << (BITS * end)
     bodies = pointer_at(m + at.m_site_bodyid)
-    if int32_at(bodies, number_of(ids, LIMB)) == int32_at(bodies, number_of(ids, EXO)):
+    if int32_at(bodies, packed(ids, LIMB, WIDTH)) == int32_at(bodies, packed(ids, EXO, WIDTH)):
         return (SAME_BODY, EXO), 0
     outcome, ids = pack_sensors(m, instance, ids, FORCE_SENSOR, WIDTH, SENSORS, at)
     if outcome != FOUND:
@@ -239,7 +227,7 @@ def connect(m, instance, at):
 
 @njit(cache=True)
 def configure(m, instance, address, at):
-    """Fills the parameters at `address` from the config; missing ones are 0."""
+    """Fills the parameters at `address` from the config; missing parameters are 0."""
     for key in range(FIRST_NUMBERS, len(KEYS)):
         first = 3 * (key - FIRST_NUMBERS)
         values = doubles(address + 8 * first, 3)
@@ -265,14 +253,14 @@ def site_frame(d, site, at):
 
 @njit(cache=True)
 def lever(m, d, body, point, at):
-    """Returns the vector to a point from the reference point of a body's motion (cvel, cdof)."""
+    """Returns the vector from the reference point of a body's motion (cvel, cdof) to a point."""
     root = int32_at(pointer_at(m + at.m_body_rootid), body)
     return subtract(point, triple(doubles(pointer_at(d + at.d_subtree_com) + 24 * root, 3), 0))
 
 
 @njit(cache=True)
 def motion_at(m, d, body, point, at):
-    """Returns angular velocity of a body and velocity of its material at a point of the world."""
+    """Returns angular velocity of a body, and velocity of the body at a point of the world."""
     velocity = doubles(pointer_at(d + at.d_cvel) + 48 * body, 6)
     spin = triple(velocity, 0)
     return spin, add(triple(velocity, 3), cross(spin, lever(m, d, body, point, at)))
@@ -302,7 +290,7 @@ def evaluate(m, d, instance, capability, at):
     """Adds the forces at the current position and velocity, or writes the sensors."""
     ids = word_of(d, instance, at)
     p = doubles(state_of(m, d, instance, at), PARAMETER_SIZE)
-    limb_site, exo_site = number_of(ids, LIMB), number_of(ids, EXO)
+    limb_site, exo_site = packed(ids, LIMB, WIDTH), packed(ids, EXO, WIDTH)
     position, Ra = site_frame(d, limb_site, at)
     origin, Rb = site_frame(d, exo_site, at)
     bodies = pointer_at(m + at.m_site_bodyid)
@@ -317,9 +305,9 @@ def evaluate(m, d, instance, capability, at):
         push(m, d, limb, point, force, torque, at)
         push(m, d, exo, point, scale(-1.0, force), scale(-1.0, torque), at)
         return
-    write(m, d, number_of(ids, FORCE_SENSOR), force, at)
-    write(m, d, number_of(ids, TORQUE_SENSOR), torque, at)
-    write(m, d, number_of(ids, ENERGY_SENSOR), (energy,), at)
+    write(m, d, packed(ids, FORCE_SENSOR, WIDTH), force, at)
+    write(m, d, packed(ids, TORQUE_SENSOR, WIDTH), torque, at)
+    write(m, d, packed(ids, ENERGY_SENSOR, WIDTH), (energy,), at)
 
 
 @njit(inline="always")

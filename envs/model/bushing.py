@@ -73,33 +73,20 @@ class Bushing:
 
 
 def attach_bushing(
-    spec: mujoco.MjSpec,
-    name: str,
-    limb_site: str,
-    exo_site: str,
-    bushing: Bushing,
-    *,
-    sensors: bool = True,
+    spec: mujoco.MjSpec, name: str, limb_site: str, exo_site: str, bushing: Bushing
 ) -> None:
-    """Connects two bodies by a bushing.
+    """Connects two bodies by a bushing, in place.
 
-    The forces appear in `qfrc_passive`, under every integrator and in every batch. The parameters
-    are part of the simulation's state (see `replace_bushing`).
+    The two sites are on different bodies, and the axes of the bushing are those of `exo_site`. The
+    forces appear in `qfrc_passive`, under every integrator and in every batch. The parameters are
+    part of the simulation's state (see `replace_bushing`).
 
-    With `sensors`, three are added, in the axes of the exoskeleton's site: `<name>_force` and
-    `<name>_torque`, which act on the limb at its site [N, N·m], and `<name>_energy`, stored in the
-    springs [J], which MuJoCo's own potential energy leaves out.
+    Three sensors are added, in the axes of the exoskeleton's site: `<name>_force`
+    and `<name>_torque`, which act on the limb at its site [N, N·m], and `<name>_energy`, stored in
+    the springs [J], which MuJoCo's own potential energy leaves out.
 
-    Compose first, attach last: when a spec is attached to another one under a name prefix, MuJoCo
-    renames its sites, but not the sites in the plugin's config.
-
-    Args:
-        spec: Any model specification; it is changed in place.
-        name: Unique name of the new plugin instance.
-        limb_site: Name of a site on the one body.
-        exo_site: Name of a site on the other body, whose axes are those of the bushing.
-        bushing: Springs and dampers of the bushing.
-        sensors: Whether to add the three sensors.
+    Compose first, attach last: when a spec is attached to another spec under a name prefix, MuJoCo
+    renames the sites, but not the sites in the plugin's config.
     """
     sites = {site.name: site for site in spec.sites}
     for site in (limb_site, exo_site):
@@ -117,7 +104,7 @@ def attach_bushing(
     plugin = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
     numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in KEYS[2:]}
     plugin.config = {"limb": limb_site, "exo": exo_site, **numbers}
-    for quantity in SENSORS if sensors else ():
+    for quantity in SENSORS:
         sensor = spec.add_sensor(name=f"{name}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
         sensor.plugin = plugin
 
@@ -125,16 +112,10 @@ def attach_bushing(
 def replace_bushing(
     mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], name: str, bushing: Bushing
 ) -> None:
-    """Gives one simulation another bushing, as in a batch of cuffs strapped on differently.
+    """Gives one simulation another bushing, for example cuffs that are strapped on differently.
 
-    A reset restores the bushing of the compiled model.
-
-    Args:
-        mj_model: Compiled model.
-        plugin_state: Array `data.plugin_state`, or one simulation's row of a batch; it is changed
-            in place.
-        name: Name of the bushing.
-        bushing: New springs and dampers.
+    `plugin_state` is `data.plugin_state`, or the row of one simulation of a batch, and is changed
+    in place. A reset restores the bushing of the compiled model.
     """
     _parameters(mj_model, plugin_state, name)[:] = bushing.parameter_vector
 

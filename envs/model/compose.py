@@ -18,8 +18,7 @@ from ..person import segments
 from . import bushing
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
-from .encoders import delay_encoders
-from .exoskeleton import ASSISTED, fit_exoskeleton, remove_exoskeleton
+from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
 from .fitting import attach_others, attach_suit, fit_person, remove_suit
 from .variants import make_lean, mirror, remove_drawings, taken_keyframes
 from .workplace import Edits, edit, grip, holder
@@ -36,8 +35,9 @@ def compose(
 
     Args:
         config: Configuration of the model.
-        drawn: Whether the model has what is only drawn: 244 of its 255 geoms, lights and cameras.
-            Without them the motion is the same to the last digit and takes a third less time.
+        drawn: Whether the model has the parts that are only drawn: 244 of 255 geoms, lights and
+            cameras. Without these parts the motion is the same to the last digit and takes a third
+            less time.
         other_suits: Suits that `replace_model` can activate instead, also with models of another
             kind or size.
         edits: Additions of a task to the model.
@@ -84,7 +84,7 @@ def suit_of_config(config: ArmConfig) -> Suit | None:
     suit = load_suit(config.suit)
     if config.pressure is not None:
         suit = suit.at_pressure(config.pressure)
-    # Where the gas's share is known, its straight line is added now: an episode may scale it.
+    # If the share of the gas is known, its straight line is added now, for episodes to scale.
     shares = {
         joint: entry.at_pressure_ratio(1.0)
         for joint, entry in suit.joints.items()
@@ -162,7 +162,7 @@ def _built(
 
 @lru_cache(maxsize=1)
 def _undrawn() -> mujoco.MjSpec:
-    """Returns the scene without drawings, cached: deleting them takes longer than all the rest."""
+    """Returns the scene without drawings, cached: the deletion takes longer than the rest."""
     spec = mujoco.MjSpec.from_file(str(SCENE))
     keyframes = taken_keyframes(spec)
     remove_drawings(spec)
@@ -172,8 +172,8 @@ def _undrawn() -> mujoco.MjSpec:
 
 
 def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
-    """Removes the parts that `config` does not have."""
-    keyframes = taken_keyframes(spec)  # their sizes depend on what follows
+    """Removes the parts that a configuration lacks."""
+    keyframes = taken_keyframes(spec)  # their sizes depend on the next lines
     if config.suit == NO_SUIT:
         remove_suit(spec)
     if config.coupling == "none":
@@ -194,7 +194,7 @@ def _add_payload(spec: mujoco.MjSpec, payload: Payload) -> None:
     center = grip(spec).pos - np.array([0, 0, payload.radius])
     body = holder(spec).add_body(name="payload", pos=center)
     body.mass, body.inertia, body.explicitinertial = payload.mass, payload.moments, True
-    body.ipos = np.zeros(3)  # unset, it would be `center` again, and saved without the mass
+    body.ipos = np.zeros(3)  # without this line, `center` again, and saved without the mass
     body.add_geom(
         name="payload",
         type=mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -231,22 +231,17 @@ AUTORESET = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
 def for_warp(config: ArmConfig) -> mujoco.MjModel:
     """Builds the arm and the exoskeleton of a configuration for MuJoCo Warp.
 
-    It has no drawings, no plugins and no keyframes. `activesuit.hysteresis.warp.attach` adds the
-    suit's torque: models and starts are those of `resisting_joints(config)`. Each of the wearer's
-    four actuators has one input u instead of three. Its torque is u - kp q - kv v within the same
+    The model has no drawings, no plugins and no keyframes. `activesuit.hysteresis.warp.attach` adds
+    the torque of the suit: models and starts are those of `resisting_joints(config)`. The inputs
+    are those of the wearer's four actuators, and then those of the motors. Each of the wearer's
+    actuators has one input u instead of three. Its torque is u - kp q - kv v within the same
     limits, where kp and kv are `-actuator_biasprm[i, 1:3]`. So u = kp q* + kv v* + ff gives the
-    torque that `compose` gives with the inputs q*, v* and ff, to the last bit in MuJoCo. The ranges
-    of those three inputs are for the caller to keep.
-
-    Args:
-        config: Configuration of the model.
-
-    Returns:
-        Model, the inputs of which are the wearer's four joints and then the motors.
+    torque that `compose` gives with the inputs q*, v* and ff, to the last bit in MuJoCo. The caller
+    must keep the ranges of these three inputs.
     """
     if config.coupling == "cuffs":
         raise InputError(
-            "coupling is 'cuffs', whose forces are a plugin, which MuJoCo Warp has not: use "
+            "coupling is 'cuffs', whose forces are a plugin, and MuJoCo Warp has no plugins: use "
             "'rigid' or 'none'"
         )
     spec = _built(config, None, drawn=False)
@@ -265,12 +260,9 @@ READERS = {".xml": mujoco.MjModel.from_xml_path, ".mjb": mujoco.MjModel.from_bin
 def load_model(path: str | os.PathLike[str]) -> mujoco.MjModel:
     """Returns the model in a file of MJCF (.xml) or in MuJoCo's binary format (.mjb).
 
-    A binary file has the numbers of its plugins, and not their names: what else registers plugins
-    must have done so in the same order as in the process that saved it, or MuJoCo ends the process.
-    MJCF has the names, and MuJoCo reports one that it does not know.
-
-    Args:
-        path: Path of the file.
+    A binary file has the numbers of its plugins, and not their names: all plugins must be
+    registered in the same order as in the process that saved the file, or MuJoCo ends the process.
+    MJCF has the names, and MuJoCo reports an unknown name.
     """
     engine.register()
     bushing.register()

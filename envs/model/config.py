@@ -31,7 +31,7 @@ Config = TypeVar("Config")
 
 @dataclass(frozen=True, kw_only=True)
 class Payload:
-    """A rigid load in the ring of the exoskeleton, or in the hand where there is none.
+    """A rigid load in the ring of the exoskeleton, or in the hand without an exoskeleton.
 
     Attributes:
         mass: Mass of the load [kg], 0 to 60; 0 means no load. Stability of the default time step
@@ -63,7 +63,7 @@ class Payload:
 
     @property
     def moments(self) -> tuple[float, float, float]:
-        """Moments of inertia of the load, as given or those of the sphere [kg·m²]."""
+        """Moments of inertia [kg·m²]: `inertia` if it is given, or else those of the sphere."""
         ball = 0.4 * self.mass * self.radius**2
         return self.inertia or (ball, ball, ball)
 
@@ -142,7 +142,7 @@ class ArmConfig:
         return self.sim_dt or (0.001 if self.coupling == "cuffs" else 0.002)
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns all fields for JSON, nested ones as dicts."""
+        """Returns all fields for JSON; nested fields are dicts."""
         plain = asdict(self)
         if isinstance(self.suit, Suit):
             plain["suit"] = self.suit.model_dump(mode="json")
@@ -176,27 +176,22 @@ _NESTED = {"wearer": Person(), "exo": Exo(), "payload": Payload()}
 
 
 def nested(name: str, value: Any, default: Config) -> Config:
-    """Returns `value`; if it is a dict, returns `default` with the fields in it replaced."""
+    """Returns `value`, or `default` with the fields that `value` replaces if `value` is a dict."""
     if isinstance(value, type(default)):
         return value
-    if isinstance(value, Mapping):
-        return _updated(default, value, name)
-    kind = type(default).__name__
-    raise InputError(f"{name} is {value!r}: give {kind}(...) or a dict of its fields")
-
-
-def _updated(default: Config, values: Mapping[str, Any], where: str) -> Config:
-    """Returns `default` with some fields replaced, dicts in nested fields likewise."""
+    kind = type(default)
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} is {value!r}: give {kind.__name__}(...) or a dict of its fields")
     assert is_dataclass(default) and not isinstance(default, type)
-    known = [known_field.name for known_field in fields(default)]
+    known = [one.name for one in fields(default)]
     new = {}
-    for name, value in values.items():
-        if name not in known:
-            raise unknown_name(f"field of {where}", name, known)
-        old = getattr(default, name)
-        new[name] = nested(f"{where}.{name}", value, old) if is_dataclass(old) else value
+    for field_name, given in value.items():
+        if field_name not in known:
+            raise unknown_name(f"field of {name}", field_name, known)
+        old = getattr(default, field_name)
+        new[field_name] = nested(f"{name}.{field_name}", given, old) if is_dataclass(old) else given
     if default == Person():
-        return type(default)(**new)  # whose sex decides the size that is not given
+        return kind(**new)  # the sex decides the sizes that are not given
     return replace(default, **new)
 
 

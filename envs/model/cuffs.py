@@ -42,7 +42,7 @@ MOVED = "moved_"  # prefix of copies until they replace the original
 def _cuff(mass: float) -> Bushing:
     """Returns a cuff whose dampers are proportional to its springs (Kelvin-Voigt).
 
-    The dampers have the damping ratio for the effective mass of the segment on the stiffest spring.
+    The damping ratio is that of the effective mass of the segment on the stiffest spring.
     """
     across, along, about_across, about_along = (
         _VALUE[f"cuff.stiffness.{way}"]  # [N/m] and [N·m/deg]
@@ -70,24 +70,20 @@ def couple(
     misalignment: Triple = (0.0, 0.0, 0.0),
     excess: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
-    """Turns the arm with its rigid exoskeleton into two chains joined by cuffs.
+    """Turns the arm with its rigid exoskeleton into two chains joined by cuffs, in place.
 
-    The exoskeleton gets the joints `exo_<joint>`, in the order of the arm's and behind them in
-    `qpos`, with the same axes and ranges. Motors, encoders and Coulomb friction move to them. Each
-    cuff is a bushing `cuff_upper_arm`, `cuff_forearm` or `cuff_hand` with its three sensors (see
-    `attach_bushing`), between a new site `limb_<segment>` and the exoskeleton's, z up the limb.
-    Keyframes put both chains into one pose. The default arm bears steps of 2 ms, but not 4 ms.
+    `spec` is arm.xml after it was fitted, loaded and mirrored, and before the suit is attached. The
+    exoskeleton gets the joints `exo_<joint>`, in the order of the arm's joints and behind them in
+    `qpos`, with the same axes and ranges. Motors, encoders and Coulomb friction move to these
+    joints. Each cuff is a bushing `cuff_upper_arm`, `cuff_forearm` or `cuff_hand` with its three
+    sensors (see `attach_bushing`), between a new site `limb_<segment>` and the site of the
+    exoskeleton, z up the limb. Keyframes put both chains into one pose. The default arm bears steps
+    of 2 ms, but not 4 ms.
 
-    A misalignment moves the whole exoskeleton; another length moves the parts below the link. The
-    cuffs are strapped on with the arm hanging, so neither makes them bear a force there. Use
-    `replace_bushing` for cuffs that are strapped on differently.
-
-    Args:
-        spec: Specification of arm.xml after it was fitted, loaded and mirrored, and before the suit
-            is attached; it is changed in place.
-        misalignment: Vector from the wearer's shoulder center to the exoskeleton's: forward,
-            outward, up [m].
-        excess: Length of each link of the exoskeleton, less that of the wearer's segment [m].
+    `misalignment` is the vector from the wearer's shoulder center to that of the exoskeleton,
+    forward, outward and up [m], and moves the whole exoskeleton. `excess` is the length of each
+    link less that of the wearer's segment [m], and moves the parts below the link. The cuffs are
+    strapped on with the arm hanging, so that neither makes the cuffs bear a force there.
     """
     if spec.body("exo_hand") is None or spec.joint("exo_wrist_flexion") is not None:
         raise InputError("the model is not the arm of arm.xml with its rigid exoskeleton: give it")
@@ -121,7 +117,7 @@ def shift_exoskeleton(model: mujoco.MjModel, body_pos: Array, by: Array) -> None
 
 
 def strap_again(model: mujoco.MjModel, plugin_state: Array, by: Array) -> None:
-    """Straps the cuffs of one simulation on anew after `shift_exoskeleton`: they bear no force."""
+    """Straps the cuffs of one simulation on again after `shift_exoskeleton`, without force."""
     for segment in CUFFS:
         move_bushing(model, plugin_state, f"cuff_{segment}", -_in_torso(model, by))
 
@@ -131,7 +127,7 @@ def _in_torso(model: mujoco.MjModel, by: Array) -> Array:
 
 
 def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
-    """Lengthens the drawn links; returns how far the parts below them move down."""
+    """Lengthens the drawn links; returns the displacements of the parts below the links."""
     lower = []
     for segment, below in (("upper_arm", "forearm"), ("forearm", "hand")):
         longer, length = excess.get(segment, 0.0), -spec.body(below).pos[2]
@@ -143,8 +139,7 @@ def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
 def _let_go(spec: mujoco.MjSpec) -> dict[str, tuple[str, str]]:
     """Detaches actuators from the exoskeleton's sites, with which MuJoCo would delete them.
 
-    Returns:
-        Names of both sites of each such actuator, target and reference, by the actuator's name.
+    Returns the names of both sites, target and reference, by the name of the actuator.
     """
     found = {}
     for actuator in spec.actuators:
@@ -156,7 +151,7 @@ def _let_go(spec: mujoco.MjSpec) -> dict[str, tuple[str, str]]:
 
 def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:
     """Makes the exoskeleton's bodies a chain that hangs on the torso."""
-    spec.copy_during_attach = True  # MuJoCo can copy a spec's own bodies, not move them
+    spec.copy_during_attach = True  # MuJoCo can copy bodies of a spec, but not move them
     parent = spec.body("torso")
     for (part, segment), joint, begin in zip(CHAIN.items(), JOINTS, begins, strict=True):
         limb, sleeve = spec.body(segment), spec.body(part)

@@ -1,11 +1,14 @@
-"""The exoskeleton: its masses and links, and how it is fitted to the drawn arm."""
+"""The exoskeleton: masses and links, their fit to the drawn arm, and the encoders."""
 
+import math
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...errors import InputError
+from ...arrays import Array
+from ...checks import at_least
 from ..provenance import Quantity, check_settings, quantities_of, setting
 from .motors import ELBOW_MOTOR, SHOULDER_MOTOR, Motor, set_motor
 
@@ -23,9 +26,8 @@ class Exo:
         forearm_link: Mass of the link beside the forearm [kg].
         cuff: Mass of each of the two arched guards [kg].
         ring: Mass of the U-shaped ring at the hand [kg].
-        upper_arm_length: Distance from its shoulder axis to its elbow axis [m]; by default the
-            wearer's.
-        forearm_length: Distance from its elbow axis to its wrist axis [m]; by default the wearer's.
+        upper_arm_length: Distance from shoulder axis to elbow axis [m]; by default the wearer's.
+        forearm_length: Distance from elbow axis to wrist axis [m]; by default the wearer's.
         encoder_bits: Resolution of an encoder, which has 2**bits counts per turn (see `quantize`).
         encoder_delay: Age of the values that the encoders report [s].
     """
@@ -42,10 +44,7 @@ class Exo:
     encoder_delay: float = setting(0.0, "s", 0, 0.1, source="none: read in the same control period")
 
     def __post_init__(self) -> None:
-        if self.encoder_bits not in range(4, 33):
-            raise InputError(
-                f"exo.encoder_bits is {self.encoder_bits}: use 4 to 32, a whole number"
-            )
+        at_least("exo.encoder_bits", self.encoder_bits, 4, 32)
         check_settings(self, "exo.")
 
     @property
@@ -86,7 +85,7 @@ def fit_exoskeleton(spec: mujoco.MjSpec, exo: Exo) -> None:
 
 
 def remove_exoskeleton(spec: mujoco.MjSpec) -> None:
-    """Removes the drawn exoskeleton, in place; keyframes must be removed before."""
+    """Removes the drawn exoskeleton, in place, after the keyframes have been removed."""
     names = [f"assist_{joint}" for joint in ASSISTED]
     meters = [sensor for sensor in spec.sensors if sensor.objname in names]
     motors = [spec.actuator(name) for name in names]
@@ -95,3 +94,39 @@ def remove_exoskeleton(spec: mujoco.MjSpec) -> None:
         spec.delete(part)
     for joint in ASSISTED:
         spec.joint(joint).frictionloss = 0.0
+
+
+def count_of(bits: int) -> float:
+    """Returns the angle of one count [rad] of an encoder with that number of bits."""
+    return math.tau / 2**bits
+
+
+def delay_encoders(spec: mujoco.MjSpec, delay: float) -> None:
+    """Delays the angles and rates that the encoders of `spec` report by `delay` [s].
+
+    A reset sets the encoders' memory to zeros, and `start_encoders` then fills this memory.
+    """
+    if delay > 0:
+        for sensor in spec.sensors:
+            if sensor.name.startswith("encoder_"):
+                sensor.delay = delay
+                sensor.nsample = math.ceil(delay / spec.option.timestep - 1e-9)
+
+
+def start_encoders(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Fills the memory of delayed encoders after a reset with the present state of `data`."""
+    for i in np.flatnonzero(model.sensor_delay):
+        if not model.sensor(i).name.startswith("encoder_"):
+            continue
+        joint = model.sensor_objid[i]
+        if model.sensor_type[i] == mujoco.mjtSensor.mjSENS_JOINTPOS:
+            now = data.qpos[model.jnt_qposadr[joint]]
+        else:
+            now = data.qvel[model.jnt_dofadr[joint]]
+        values = np.full((model.sensor_history[i, 0], 1), now)
+        mujoco.mj_initSensorHistory(model, data, i, None, values, 0.0)
+
+
+def quantize(angle: ArrayLike, bits: int) -> Array:
+    """Returns angles [rad] rounded to the counts of an encoder with 2**bits per turn, any shape."""
+    return np.rint(np.divide(angle, count_of(bits))) * count_of(bits)

@@ -26,13 +26,14 @@ _BEGINS_AFTER = {"forearm": "upper_arm", "hand": "forearm", "other_forearm": "up
 def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
     """Gives the drawn person the size, the segments and the strength of `person`, in place.
 
-    The whole figure grows with stature; the arm's parts are stretched along it to the lengths of
-    the person's segments. Suit and exoskeleton follow: the exoskeleton keeps its masses, the
-    suit's grow with the area of the fabric.
+    The whole figure grows with stature, and the parts of the arm are stretched along the arm to the
+    lengths of the person's segments. The suit follows, and its masses grow with the area of the
+    fabric. The exoskeleton follows too, and its masses stay.
 
-    The joints have the linear part of the relaxed arm's torque (`passive_torque`). The joint limits
-    replace the muscles that tighten at the ends of the range: in a suit, those of the elbow beyond
-    2.1 rad, up to 18 N·m, and of the wrist in the last 0.1 rad of extension.
+    The joints get the linear part of the torque of the relaxed arm (`passive_torque`). The rest,
+    muscles that tighten at the ends of the range, is left to the joint limits: in a suit, these are
+    the muscles of the elbow beyond 2.1 rad, up to 18 N·m, and of the wrist in the last 0.1 rad of
+    extension.
     """
     drawn, own = segments(DRAWN), segments(person)
     size = person.stature / DRAWN.stature
@@ -53,7 +54,7 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
 
 
 def stretch(body: mujoco.MjsBody, factors: Array, lengths: dict[str, float]) -> None:
-    """Multiplies the coordinates in `body` and below; `lengths` are the z factors of limbs."""
+    """Multiplies the coordinates in `body` and below; `lengths` are z factors of limbs."""
     size = factors[0]
     if body.name in lengths:
         factors = np.array([size, size, lengths[body.name]])
@@ -88,7 +89,7 @@ def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:
     for joint, limits in zip(JOINTS, (strength * [[-1], [1]]).T, strict=True):
         actuator = spec.actuator(f"human_{joint}")
         actuator.forcerange = limits
-        # The feed-forward torque cancels what the impedance gives beyond strength, at any error
+        # The feed-forward torque cancels the torque of impedance beyond strength, at any error
         # before the arm is lost.
         _, stiffness, damping = -actuator.biasprm[:3]
         most = stiffness * FARTHEST + damping * actuator.velrange[1]

@@ -7,7 +7,7 @@ friction belong to the actuator, Coulomb friction to the joint that carries it.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -85,43 +85,29 @@ SHOULDER_MOTOR = Motor(
     thermal_time_constant=60.0,
     mass=0.9,
 )
-ELBOW_MOTOR = Motor(
-    peak_torque=25.0,
-    continuous_torque=10.0,
-    no_load_speed=5.0,
-    armature=0.02,
-    coulomb=2.0,
-    viscous=0.1,
-    bandwidth=10.0,
-    thermal_time_constant=60.0,
-    mass=0.6,
+ELBOW_MOTOR = replace(
+    SHOULDER_MOTOR,
+    **{"peak_torque": 25.0, "continuous_torque": 10.0, "armature": 0.02},
+    **{"coulomb": 2.0, "viscous": 0.1, "mass": 0.6},
 )
 
 
 def thermal_step(
     mean_square: ArrayLike, torque: ArrayLike, *, time_constant: ArrayLike, dt: float
 ) -> Array:
-    """Advances the running mean square of motors' torques, which heats their windings.
+    """Advances the running mean square of motors' torques [N²·m²], which heats their windings.
 
     A motor is overloaded while the root of the result exceeds its continuous torque. The result is
-    exact for a torque that is constant during `dt`.
-
-    Args:
-        mean_square: Mean square at the beginning [N²·m²], any shape.
-        torque: Torque during `dt` [N·m], same shape.
-        time_constant: Thermal time constant of the windings [s].
-        dt: Duration [s].
-
-    Returns:
-        The mean square at the end [N²·m²].
+    exact for a `torque` [N·m] that is constant during `dt` [s]; `time_constant` is that of the
+    windings [s].
     """
     return ufunc_of(heated)(mean_square, torque, time_constant, dt)
 
 
 def set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
     """Makes an actuator of a specification this motor."""
-    # The unit of current is the one that gives 1 N·m, so that the activation is the torque. The
-    # voltage is the one that turns the unloaded motor, with its viscous friction, at no-load speed.
+    # The unit of current gives 1 N·m, so that the activation is the torque. The
+    # voltage turns the unloaded motor, with its viscous friction, at no-load speed.
     drag = motor.viscous * motor.no_load_speed
     resistance = motor.no_load_speed / (motor.peak_torque - drag)
     actuator.actlimited = actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_AUTO

@@ -70,7 +70,7 @@ ARENA = 200_000  # [bytes], memory for contacts: an arm needs 14,400, MuJoCo res
 
 
 def taken_keyframes(spec: mujoco.MjSpec) -> list[dict[str, Any]]:
-    """Removes all keyframes; returns them, as arguments of `add_key`.
+    """Removes all keyframes; returns their arguments of `add_key`.
 
     MuJoCo checks the sizes of keyframes at every deletion of a part, and counts too few inputs.
     """
@@ -106,7 +106,7 @@ def make_lean(spec: mujoco.MjSpec) -> None:
 
 
 def remove_drawings(spec: mujoco.MjSpec) -> None:
-    """Removes what is only drawn, in place; keyframes must be removed before."""
+    """Removes the parts that are only drawn, in place, after the keyframes have been removed."""
     for geom in [*spec.geoms]:
         geom.material = ""
         if not (_is_solid(geom) or (geom.mass != 0 and _moves(geom.parent))):

@@ -1,6 +1,6 @@
-"""What a task adds to a model: tools, forces at the grip, and what stands before the wearer.
+"""Additions of a task to a model: tools, forces at the grip, and objects before the wearer.
 
-Everything is built for the right arm; the left one is its mirror image.
+Everything is built for the right arm; the left arm is the mirror image.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ _DRAWN = 2  # group of geoms that are only drawn
 
 @dataclass(frozen=True)
 class Edits:
-    """What is added to a specification by `apply`; models are compiled once for each `key`."""
+    """Changes of a specification by `apply`; models are compiled once for each `key`."""
 
     key: str
     apply: Callable[[mujoco.MjSpec], None] = field(compare=False)
@@ -59,7 +59,7 @@ def add_pushes(spec: mujoco.MjSpec) -> None:
 def add_reaction(spec: mujoco.MjSpec, name: str, limit: float, damping: float) -> None:
     """Adds a force that withstands the grip's motion in the direction of flexion, and no other.
 
-    It grows with speed by `damping` [N·s/m] up to a limit [N], and cannot drive the arm.
+    The force grows with speed by `damping` [N·s/m] up to a limit [N], and cannot drive the arm.
     """
     spec.add_actuator(
         name=name,
@@ -97,6 +97,18 @@ def draw(
     return geom
 
 
+def draw_bar(
+    body: mujoco.MjsBody,
+    shape: mujoco.mjtGeom,
+    material: str,
+    radius: float,
+    begin: Sequence[float] | Array,
+    end: Sequence[float] | Array,
+) -> None:
+    """Adds a capsule or cylinder between two points of the frame of the body [m], only drawn."""
+    draw(body, shape, material, size=[radius, 0, 0], fromto=[*begin, *end])
+
+
 def straight_arm(spec: mujoco.MjSpec) -> float:
     """Returns the distance from the shoulder to the grip of the straight right arm [m]."""
     reach = spec.body("forearm").pos + spec.body("hand").pos + spec.site("hand_grip").pos
@@ -104,9 +116,9 @@ def straight_arm(spec: mujoco.MjSpec) -> float:
 
 
 def place_of(spec: mujoco.MjSpec, angles: Array, point: Array) -> Array:
-    """Returns where a point of the hand [m] is in the frame of the torso [m], of a right arm.
+    """Returns a point of the right hand [m] in the frame of the torso [m].
 
-    `angles` are those of shoulder, elbow and wrist flexion [rad], shape (3,); abduction is zero.
+    `angles` are shoulder, elbow and wrist flexion [rad], shape (3,); abduction is zero.
     """
     place = np.asarray(point, float)
     offsets = (spec.body("hand").pos, spec.body("forearm").pos, spec.body("shoulder").pos)

@@ -7,7 +7,8 @@ from statistics import NormalDist
 from typing import Literal, cast
 
 from ...assets import JOINTS
-from ...errors import InputError, unknown_name
+from ...checks import within
+from ...errors import unknown_name
 from ..provenance import numbers_of, values_of
 
 SEXES = ("male", "female")
@@ -38,7 +39,7 @@ class Person:
         strength: Percentile of strength among people of this sex and mass, 1 to 99.
     """
 
-    stature: float = cast(float, None)  # what the sex decides
+    stature: float = cast(float, None)  # the sex decides
     mass: float = cast(float, None)
     sex: Literal["male", "female"] = "male"
     strength: float = 50.0
@@ -49,9 +50,9 @@ class Person:
         for what, usual in _USUAL[self.sex].items():
             if getattr(self, what) is None:
                 object.__setattr__(self, what, usual)
-        _check("stature", self.stature, "meters", 1.4, 2.1, _stature_hint(self.stature))
-        _check("mass", self.mass, "kilograms", 40, 140)
-        _check("strength", self.strength, "a percentile", 1, 99)
+        within("stature", self.stature, 1.4, 2.1, f" m{_stature_hint(self.stature)}")
+        within("mass", self.mass, 40, 140, " kg")
+        within("strength", self.strength, 1, 99, " (percentile)")
 
     @classmethod
     def percentile(cls, sex: Literal["male", "female"], percentile: float) -> "Person":
@@ -66,7 +67,7 @@ class Person:
         """
         if sex not in SEXES:
             raise unknown_name("sex", sex, SEXES)
-        _check("percentile", percentile, "a percentile", 1, 99)
+        within("percentile", percentile, 1, 99)
         sizes = {}
         for what in ("stature", "mass"):
             mean, deviation = (
@@ -79,20 +80,15 @@ class Person:
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A rigid part of the arm.
+    """A rigid part of the arm."""
 
-    Attributes:
-        length: Distance from the proximal joint center to the distal one; for the hand, to the
-            head of the third metacarpal [m].
-        mass: Mass of the segment [kg].
-        center: Distance of its mass center from the proximal joint center [m].
-        inertia: Moments of inertia about the mass center [kg·m²], about the sagittal (forward),
-            transverse (sideways: the axis of flexion) and longitudinal axis of the hanging arm.
-    """
-
+    # Distance from the proximal joint center to the distal joint center [m]; for the hand, to the
+    # head of the third metacarpal.
     length: float
-    mass: float
-    center: float
+    mass: float  # mass of the segment [kg]
+    center: float  # distance of its mass center from the proximal joint center [m]
+    # Moments of inertia about the mass center [kg·m²], about the sagittal (forward), transverse
+    # (sideways: the axis of flexion) and longitudinal axis of the hanging arm.
     inertia: tuple[float, float, float]
 
 
@@ -125,11 +121,6 @@ def range_of_motion(joint: str) -> tuple[float, float]:
         raise unknown_name("joint", joint, JOINTS)
     low, high = (_VALUE[f"range_of_motion.{joint}.{end}"] for end in ("low", "high"))
     return radians(low), radians(high)
-
-
-def _check(name: str, value: float, unit: str, low: float, high: float, hint: str = "") -> None:
-    if not (isinstance(value, Real) and low <= value <= high):
-        raise InputError(f"{name} is {value!r}: use {unit} from {low:g} to {high:g}{hint}")
 
 
 def _stature_hint(stature: float) -> str:

@@ -13,17 +13,18 @@ Hz) and tremor (a resonance at 10 Hz, 4 Hz wide).
 
 The *correction* is voluntary, and as intermittent as that of people who track with the hand (Miall,
 Weir and Stein 1993). Every 0.2 s the wearer sees the error of 0.15 s ago, less what the last two
-corrections, which had no time to show, will still remove (a Smith predictor; Miall, Weir, Wolpert
-and Stein 1993, J. Mot. Behav. 25:203-216). Where that is beyond 12 mrad and beyond the way that the
-intention covers in 0.17 s, the torque changes smoothly, within 0.2 s, by half of what would remove
-it.
+corrections, whose effect is not visible yet, will still remove (a Smith predictor; Miall, Weir,
+Wolpert and Stein 1993, J. Mot. Behav. 25:203-216). If the rest of the error is beyond 12 mrad and
+beyond the way that the intention covers in 0.17 s, the torque changes smoothly, within 0.2 s, by
+half of the torque that would remove the rest.
 
 A wearer *learns* the net load: a share of each torque that was needed is given in advance in the
 next repetition, and a smaller share is forgotten:
 
     learned' = (1 - forgetting) learned + rate · answer(t + 0.1 s)
 
-which converges to rate / (rate + forgetting) of the load, where learning and forgetting balance.
+The learned torque converges to rate / (rate + forgetting) of the load, where learning and
+forgetting balance.
 Where errors beyond what the task tolerates remain, the wearer learns to *co-contract* (Franklin,
 Burdet et al. 2008, J. Neurosci. 28:11165):
 
@@ -66,7 +67,7 @@ class VoluntaryControl:
     """Settings of a wearer's control of the arm. All fields are plain values.
 
     Nothing is random by default, so that two policies or two suits meet the same wearer. With
-    `noise=1` the wearer varies as people do.
+    `noise=1` the torque of the wearer varies as that of people does.
 
     Attributes:
         stiffness: Stiffness in multiples of a typical person's of that strength, 0.25 to 4.
@@ -145,9 +146,10 @@ class VoluntaryControl:
     def feedback(self, dt: float) -> dict[str, Any]:
         """Returns the constants of reflex and correction in control periods of `dt` [s].
 
-        They are the gain and lead [s] of the reflex, the share of a change that the muscles follow
-        in one period, the share of one correction, the periods between two, the least error that
-        is corrected [rad], and the time by which an intention may be late [s].
+        The constants are the gain and lead [s] of the reflex, the share of a change that the
+        muscles follow in one period, the share of one correction, the periods between two
+        corrections, the least error that is corrected [rad], and the time by which an intention may
+        be late [s].
         """
         return {
             "reflex_gain": 0.0 if self.stiff else self.reflex,
@@ -162,8 +164,8 @@ class VoluntaryControl:
     def learning(self, dt: float) -> dict[str, Any]:
         """Returns the constants of learning in control periods of `dt` [s].
 
-        They are its rate, the share that is forgotten, and the number of periods by which the
-        learned torque precedes the error that it corrects.
+        The constants are the rate of learning, the share that is forgotten, and the number of
+        periods by which the learned torque precedes the error that it corrects.
         """
         return {
             "rate": self.adaptation * _VALUE["learning.pace"] if self.learns else 0.0,

@@ -49,14 +49,10 @@ class EffortMetrics:
 
 
 def effort_metrics(torque: ArrayLike, rate: ArrayLike, dt: float) -> EffortMetrics:
-    """Measures the effort of a motion.
+    """Measures the effort of a motion, in which every sample stands for one period of `dt` [s].
 
-    Every sample stands for one period of `dt`.
-
-    Args:
-        torque: The wearer's torque [N·m], shape (..., n, joints), n >= 3.
-        rate: Joint rates [rad/s], the same shape.
-        dt: Sampling period [s].
+    `torque` is the wearer's torque [N·m], shape (..., n, joints), n >= 3; `rate` are the joint
+    rates [rad/s], the same shape.
     """
     torque, rate = np.asarray(torque, dtype=float), np.asarray(rate, dtype=float)
     _check(torque, rate, dt)
@@ -91,18 +87,15 @@ def _check(torque: Array, rate: Array, dt: float) -> None:
 
 
 def spectral_arc_length(speed: ArrayLike, dt: float) -> Array:
-    """Returns the smoothness SPARC of a speed profile: negative, and nearer zero if smoother.
+    """Returns the smoothness SPARC of a speed profile, shape (...); NaN where nothing moves.
 
-    SPARC is minus the length of the magnitude spectrum's curve, scaled to 1 in both directions, up
-    to the last frequency below 10 Hz with 5 % of the largest magnitude. Cut the record to the
-    movement, because rest before and after it changes the result.
+    SPARC is minus the length of the curve of the magnitude spectrum, scaled to 1 in both
+    directions, up to the last frequency below 10 Hz with 5 % of the largest magnitude. It is
+    negative, and nearer to zero for a smoother motion. Cut the record to the movement, because rest
+    before and after the movement changes the result.
 
-    Args:
-        speed: |rate| of a joint, or the norm of a velocity, shape (..., n), n >= 2.
-        dt: Sampling period [s].
-
-    Returns:
-        The smoothness, shape (...); NaN where nothing moves.
+    `speed` is |rate| of a joint or the norm of a velocity, shape (..., n), n >= 2, and `dt` the
+    sampling period [s].
     """
     speed = np.asarray(speed, dtype=float)
     size = 2 ** (int(np.ceil(np.log2(speed.shape[-1]))) + int(_VALUE["smoothness.padding"]))
@@ -118,17 +111,13 @@ def spectral_arc_length(speed: ArrayLike, dt: float) -> Array:
 
 
 def log_dimensionless_jerk(rate: ArrayLike, dt: float) -> Array:
-    """Returns the smoothness LDLJ of a velocity: -log(T³ / peak² · ∫ jerk² dt), nearer zero better.
+    """Returns the smoothness LDLJ of a velocity, shape (...); NaN where nothing moves.
 
-    A minimum-jerk movement has -log(204.8) = -5.32. Measured rates need a low-pass filter first:
-    the second derivative raises their noise.
+    LDLJ is -log(T³ / peak² · ∫ jerk² dt), and nearer to zero for a smoother motion. A minimum-jerk
+    movement has -log(204.8) = -5.32. Measured rates need a low-pass filter first: the second
+    derivative raises their noise.
 
-    Args:
-        rate: Velocity or speed [rad/s], shape (..., n), n >= 3.
-        dt: Sampling period [s].
-
-    Returns:
-        The smoothness, shape (...); NaN where nothing moves.
+    `rate` is a velocity or speed [rad/s], shape (..., n), n >= 3, and `dt` the sampling period [s].
     """
     rate = np.asarray(rate, dtype=float)
     duration = (rate.shape[-1] - 1) * dt

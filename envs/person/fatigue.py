@@ -30,7 +30,7 @@ from ..provenance import numbers_of, values_of
 
 @njit(cache=True)
 def loaded(asked: float, available: float) -> float:
-    """Returns the load of a muscle group; 1 where it needs torque and can give none."""
+    """Returns the load of a muscle group; 1 where torque is asked of a group that can give none."""
     if asked <= 0.0:
         return 0.0
     return asked / available if available > 0.0 else 1.0
@@ -84,16 +84,11 @@ RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, _RESTING])
 
 
 def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array:
-    """Returns the load of every muscle group, as a share of its strength without fatigue.
+    """Returns the load of every muscle group over its strength without fatigue, shape (..., 2, 4).
 
-    Args:
-        torque: The wearer's torque at every joint [N·m], shape (..., 4).
-        limits: `strength_limits` without fatigue at the present angles and rates, shape (..., 4)
-            each.
-
-    Returns:
-        The load, shape (..., 2, 4), in the order of `isometric_strength`. It is 1 where a group
-        needs torque and can give none.
+    The order of groups is that of `isometric_strength`. `torque` is the wearer's torque at every
+    joint [N·m], and `limits` are the `strength_limits` without fatigue at the present angles and
+    rates, shape (..., 4) each. The load is 1 where torque is asked of a group that can give none.
     """
     torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
     asked, available = np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2)
@@ -101,28 +96,20 @@ def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array
 
 
 def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
-    """Returns the fatigued part of every muscle group after a time under constant load.
+    """Returns the fatigued part of every muscle group after `dt` [s] under constant load.
 
-    Args:
-        fatigued: Part that is fatigued now, 0 to 1, shape (..., 2, 4); zero in a rested wearer.
-        load: Load from `muscle_load`, shape (..., 2, 4); a load above what the remaining muscle can
-            bear counts as all of that muscle.
-        dt: Duration [s].
-
-    Returns:
-        The fatigued part after `dt`, shape (..., 2, 4).
+    `fatigued` is the part from 0 to 1 that is fatigued now, and `load` the result of `muscle_load`;
+    all have the shape (..., 2, 4). A load above what the remaining muscle can bear counts as all of
+    that muscle.
     """
     return ufunc_of(tired)(fatigued, load, *RATES, dt)
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:
-    """Returns the time for which a rested wearer can sustain a load [s].
+    """Returns the time for which a rested wearer can sustain a load at a joint of `JOINTS` [s].
 
-    This is -log(1 - R(1 - load) / (F load)) / R, and infinite up to the load R / (F + R).
-
-    Args:
-        load: Fraction of the unfatigued strength, 0 to 1, any shape.
-        joint: Name of a joint in `JOINTS`.
+    `load` is a share of the unfatigued strength from 0 to 1, any shape. The time is -log(1 - R(1 -
+    load) / (F load)) / R, and infinite up to the load R / (F + R).
     """
     if joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)

@@ -43,10 +43,11 @@ from .anthropometry import Person
 
 @njit(cache=True)
 def velocity_factor(shortening: float, hill: float, gain: float, knee: float) -> float:
-    """Returns torque / isometric torque at a shortening speed, given over the fastest speed.
+    """Returns torque / isometric torque at a shortening speed over the fastest speed.
 
-    Hill's hyperbola through (0, 1), (1/2, half_speed) and (1, 0), and for lengthening another one
-    that leaves (0, 1) with the same slope and meets (-1, eccentric); constant beyond both ends.
+    The factor is Hill's hyperbola through (0, 1), (1/2, half_speed) and (1, 0). For lengthening,
+    another hyperbola leaves (0, 1) with the same slope and meets (-1, eccentric). The factor is
+    constant beyond both ends.
     """
     if shortening >= 0.0:
         shorter = min(shortening, 1.0)
@@ -61,14 +62,10 @@ def group_torque(
 ) -> float:
     """Returns the greatest torque of a muscle group that shortens at a speed [N·m].
 
-    Args:
-        isometric: Its isometric torque [N·m].
-        angle: Angle of the joint [rad].
-        speed: Speed at which the group shortens [rad/s].
-        shape: Fastest speed, best angle, width, and the three shape parameters of
-            `velocity_factor`, of all groups, shape (6, 2, 4).
-        way: Number of the direction in `DIRECTIONS`.
-        joint: Number of the joint in `JOINTS`.
+    `isometric` is the isometric torque of the group [N·m]; `angle` and `speed` are in rad and
+    rad/s. `shape` has the fastest speed, best angle, width, and the three parameters of
+    `velocity_factor` of all groups, shape (6, 2, 4); `way` and `joint` are numbers in `DIRECTIONS`
+    and `JOINTS`.
     """
     offset = (angle - shape[1, way, joint]) / shape[2, way, joint]
     strength = isometric * math.exp(-offset * offset / 2.0)
@@ -106,7 +103,7 @@ def _column(name: str) -> Array:
 
 
 def _passive(name: str) -> Array:
-    """Returns one quantity of all joints, shape (4,), 0 where no elastic torque is known."""
+    """Returns one quantity of all joints, shape (4,), 0 if no elastic torque is known."""
     return np.array([_VALUE.get(f"passive.{joint}.{name}", 0.0) for joint in JOINTS])
 
 
@@ -124,15 +121,13 @@ _STIFFNESS, _REST, _DAMPING = _passive("stiffness"), _passive("rest"), _passive(
 def isometric_strength(person: Person) -> Array:
     """Returns the greatest torque of every muscle group at its best angle and rest [N·m].
 
-    It is proportional to body mass (Jaric 2002, Sports Med. 32(10), for torque), log-normal among
-    people of one sex and mass, and for an average woman 0.55 of that of an average man. With much
-    body fat the real increase is smaller (Folland et al. 2008).
+    The torques are positive, shape (2, 4): the groups that pull toward negative and toward positive
+    angles, and the joints of `JOINTS`. They are proportional to body mass (Jaric 2002, Sports Med.
+    32(10), for torque), log-normal among people of one sex and mass, and for an average woman 0.55
+    of those of an average man. With much body fat the real increase is smaller (Folland et al.
+    2008).
 
     `numpy.stack` the strengths of several people to compute with all of them at once.
-
-    Returns:
-        The torques, shape (2, 4), all positive: the groups that pull toward negative and toward
-        positive angles, and the joints of `JOINTS`.
     """
     relative_mass = person.mass / _VALUE["strength.male.mass"]
     if person.sex == "female":
@@ -144,36 +139,21 @@ def isometric_strength(person: Person) -> Array:
 
 
 def strength_limits(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> tuple[Array, Array]:
-    """Returns the least and the greatest torque that the wearer can give at every joint [N·m].
+    """Returns the least and the greatest torque of the wearer at every joint [N·m], shape (..., 4).
 
-    Args:
-        isometric: Torques from `isometric_strength`, shape (2, 4), or (..., 2, 4) for several
-            wearers.
-        angle: Joint angles in the order of `JOINTS` [rad], shape (..., 4).
-        rate: Joint rates [rad/s], shape (..., 4).
-
-    Returns:
-        low: least torque, at most zero, shape (..., 4).
-        high: greatest torque, at least zero, shape (..., 4).
+    The least torque is at most zero. `isometric` are the torques of one or several wearers from
+    `isometric_strength`, shape (..., 2, 4); angles [rad] and rates [rad/s] of the joints have the
+    shape (..., 4).
     """
     return limits(isometric, angle, rate, SHAPE)
 
 
 def passive_torque(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> Array:
-    """Returns the torque on every joint of the relaxed arm [N·m], without gravity.
+    """Returns the torque on every joint of the relaxed arm without gravity [N·m], shape (..., 4).
 
-    Near the ends of the range the muscle that is stretched pulls back with
-    peak · ((angle - passive_from) / (passive_peak - passive_from))². This stiffens to 800 N·m/rad
-    at the elbow, so evaluate it in every physics step.
-
-    Args:
-        isometric: Torques from `isometric_strength`, shape (2, 4), or (..., 2, 4) for several
-            wearers.
-        angle: Joint angles in the order of `JOINTS` [rad], shape (..., 4).
-        rate: Joint rates [rad/s], shape (..., 4).
-
-    Returns:
-        The torque, shape (..., 4).
+    Near the ends of the range the muscle that is stretched pulls back with peak · ((angle -
+    passive_from) / (passive_peak - passive_from))². This stiffens to 800 N·m/rad at the elbow, so
+    evaluate the torque in every physics step. The arguments are those of `strength_limits`.
     """
     angle, rate = np.asarray(angle), np.asarray(rate)
     stretch = (angle[..., None, :] - _PASSIVE_FROM) / (_PASSIVE_PEAK - _PASSIVE_FROM)

@@ -43,13 +43,11 @@ from numba.extending import NativeValue, infer_getattr, models, register_model, 
 
 
 def bound(kernel: Any, first: Sequence[Any], rest: Any) -> Callable[..., Any]:
-    """Returns a function that calls a kernel with all arguments but the last one.
+    """Returns a function that calls a kernel of numba with all arguments but the last one.
 
-    Args:
-        kernel: Kernel of numba.
-        first: Examples of the arguments that differ from call to call; the real ones have to be of
-            the same types, and arrays in the same order of memory.
-        rest: The last argument, a named tuple of arrays, numbers and named tuples.
+    `first` are examples of the arguments that differ from call to call: the real arguments have to
+    be of the same types, and arrays in the same order of memory. `rest` is the last argument, a
+    named tuple of arrays, numbers and named tuples.
     """
     table = np.array(_words(rest), np.int64)
     code = kernel.compile((*map(_type, first), _Frozen(_type(rest))))
@@ -80,7 +78,7 @@ def _count(kind: Any) -> int:
 
 
 def _type(value: Any) -> Any:
-    """Returns the type of an argument, the same for one arm as for many, and for empty arrays.
+    """Returns the type of an argument, the same for one arm, for many arms, and for empty arrays.
 
     The arrays are parts of MuJoCo's longer rows of state. NumPy calls such an array contiguous for
     one row or none of its columns and not contiguous otherwise, so that each kernel would be
@@ -97,11 +95,7 @@ def _type(value: Any) -> Any:
 
 
 class _Frozen(types.Type):
-    """Numba's type of a named tuple that is a part of a table: the address of its first word.
-
-    Args:
-        content: Type of the named tuple.
-    """
+    """Numba's type of a named tuple in a table, which is the address of its first word."""
 
     def __init__(self, content: Any) -> None:
         self.content = content

@@ -13,15 +13,11 @@ from typing import Any
 PROGRAM = "from activesuit.envs import ArmEnv; ArmEnv(suit='none').reset(seed=0)"
 ALONE = "ACTIVESUIT_COMPILE_ALONE"  # environment variable: any value forbids the second process
 
-_begun: list[subprocess.Popen] = []  # the second process, once it was needed
+_begun: list[subprocess.Popen] = []  # the second process, if it was started
 
 
 def begin(kernel: Any) -> None:
-    """Starts the second process, unless the control cycle is cached or there is one core only.
-
-    Args:
-        kernel: Kernel of the control cycle.
-    """
+    """Starts the second process, unless the control cycle is cached or there is only one core."""
     if _begun or os.environ.get(ALONE) or _is_cached(kernel) or _cores() < 2:
         return
     if not sys.executable or hasattr(sys, "frozen"):  # this program is not the interpreter's

@@ -28,7 +28,7 @@ class Plan:
             load.
         push: Force on the grip at every sample, forward, outward and up [N], shape (samples, 3),
             zero at first; None for a task without force.
-        watched: Samples at which the task judges the hand, bool, shape (samples,); None for none.
+        watched: Whether the task judges the hand at each sample, shape (samples,); None for never.
     """
 
     motion: Motion
@@ -38,13 +38,13 @@ class Plan:
 
 
 def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, pushes: bool) -> Plan:
-    """Returns a plan whose arrays are finite and in range, as new arrays where they were not."""
+    """Returns a plan of arrays; raises an InputError if a number is not finite or out of range."""
     if not isinstance(plan, Plan):
         raise InputError(f"the task's plan is {shown(plan)}: return a Plan")
     motion = valid_motion(plan.motion, samples, ranges)
-    mass = _series("mass", plan.mass, (samples,))
-    push = _series("push", plan.push, (samples, len(PUSHES)))
-    watched = _series("watched", plan.watched, (samples,))
+    mass = series("the task's mass", plan.mass, (samples,))
+    push = series("the task's push", plan.push, (samples, len(PUSHES)))
+    watched = series("the task's watched", plan.watched, (samples,))
     if mass is not None:
         if not carries:
             raise InputError("the task's plan has a mass: set carries = True in its class")
@@ -65,17 +65,16 @@ def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, push
     return Plan(motion, mass, push, None if watched is None else watched != 0)
 
 
-def _series(name: str, given: AnyArray | None, shape: tuple[int, ...]) -> Array | None:
+def series(name: str, given: Any, shape: tuple[int, ...]) -> Array | None:
+    """Returns finite numbers of the given shape, or None if none are given."""
     if given is None:
         return None
     values = _numbers(name, given)
     if values.shape != shape:
-        raise InputError(
-            f"the task's {name} has shape {values.shape}: give finite numbers of shape {shape}"
-        )
+        raise InputError(f"{name} has shape {values.shape}: give finite numbers of shape {shape}")
     if not np.isfinite(values).all():
         sample = int(np.argwhere(~np.isfinite(values))[0, 0])
-        raise InputError(f"the task's {name} is not finite at sample {sample}: give finite numbers")
+        raise InputError(f"{name} is not finite at sample {sample}: give finite numbers")
     return values
 
 
@@ -83,7 +82,7 @@ def _numbers(name: str, given: Any) -> Array:
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"the task's {name} is {shown(given)}: give numbers") from error
+        raise InputError(f"{name} is {shown(given)}: give numbers") from error
 
 
 def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
@@ -92,7 +91,7 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
         raise InputError(
             f"the task's motion is {shown(motion)}: return angle, rate and acceleration"
         )
-    angle, rate, acceleration = (_numbers("motion", part) for part in motion)
+    angle, rate, acceleration = (_numbers("the task's motion", part) for part in motion)
     shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
     if shapes != [shape] * 3 or not np.isfinite(angle + rate + acceleration).all():
         raise InputError(

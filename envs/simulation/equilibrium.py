@@ -106,7 +106,7 @@ def _improve(
 
 @njit(cache=True)
 def hold(rows: Whole, rest: Array, arms: Arms) -> None:
-    """Lets wearers hold still: the correction starts at what the feed-forward torque lacks.
+    """Lets wearers hold still: the correction starts at the torque that feed-forward lacks.
 
     `rest` is the net torque on arms at rest, without the wearer's [N·m], shape (n, dofs).
     """

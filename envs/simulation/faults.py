@@ -68,9 +68,9 @@ class Faults:
 class FaultInjector:
     """Puts faults into the readings that reach the controller; `cycle.drive` stops motors.
 
-    Between two control periods the measurements, shape (n, columns), are what the controller
-    receives, and `sent` is what the sensors read; within one it is the other way round, since
-    sensors filter their own readings.
+    Between two control periods the measurements, shape (n, columns), are the readings that the
+    controller receives, and `sent` has the readings of the sensors. Within a control period both
+    are exchanged, since sensors filter their own readings.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class FaultInjector:
         self._put(rows, self._memory.sent[rows] + self._bias)
 
     def recall(self, rows: Whole) -> Array:
-        """Gives sensors their own readings back; returns those that the controller has."""
+        """Restores the readings of the sensors; returns the readings that the controller has."""
         received = self._of(rows)
         self._put(rows, self._memory.sent[rows])
         return received

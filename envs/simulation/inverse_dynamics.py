@@ -25,25 +25,17 @@ STIFFNESS, REST, DAMPING, LINK = 16, 17, 18, 19
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Inertial parameters of bare arms, shape (arms, ...).
+    """Inertial parameters of bare arms, shape (arms, ...)."""
 
-    Attributes:
-        links: Parameters of every link, shape (arms, 4, 19), in the columns named above.
-        gravity: Acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3).
-        down: Unit vector down in that frame, shape (arms, 3).
-    """
-
-    links: Array
-    gravity: Array
-    down: Array
+    links: Array  # parameters of every link, shape (arms, 4, 19), in the columns named above
+    gravity: Array  # acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3)
+    down: Array  # unit vector down in that frame, shape (arms, 3)
 
     @classmethod
     def of(cls, arm: mujoco.MjModel, *, dressed: bool = False) -> "Chain":
-        """Returns the chain of one arm.
+        """Returns the chain of one arm, from a model such as that of `bare_arm`.
 
-        Args:
-            arm: Model of an arm, such as that of `bare_arm`.
-            dressed: Whether the links include suit and load; they never include an exoskeleton.
+        With `dressed`, the links include suit and load; they never include an exoskeleton.
         """
         joints = [arm.joint(joint).id for joint in JOINTS]
         bodies = arm.jnt_bodyid[joints]
@@ -169,7 +161,7 @@ def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None
         scratch[row, i, 5] = ixx * bx + ixy * by + ixz * bz + wy * hz - wz * hy + ry * fz - rz * fy
         scratch[row, i, 6] = ixy * bx + iyy * by + iyz * bz + wz * hx - wx * hz + rz * fx - rx * fz
         scratch[row, i, 7] = ixz * bx + iyz * by + izz * bz + wx * hy - wy * hx + rx * fy - ry * fx
-    fx, fy, fz = 0.0, 0.0, 0.0  # what the link below needs, in the frame of this one
+    fx, fy, fz = 0.0, 0.0, 0.0  # force and moment on the link below, in the frame of this link
     nx, ny, nz = 0.0, 0.0, 0.0
     for back in range(4):
         i = 3 - back

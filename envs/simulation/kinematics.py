@@ -31,7 +31,7 @@ class Arm:
         chain: Links of the arm.
         grip: Place of the grip in the frame of the hand [m], shape (3,).
         ranges: Ranges of the joints [rad], shape (4, 2).
-        outward: +1 where outward is the y axis of the torso (left arm), -1 where it is not.
+        outward: +1 for a left arm, where outward is the y axis of the torso; -1 for a right arm.
         torso: Place of the torso in the world [m], shape (3,).
         turn: Rotation from the frame of the torso into the world, shape (3, 3).
     """
@@ -70,25 +70,22 @@ class Arm:
         return self.chain.gravity[0] @ self._axes
 
     def places(self, angle: Array) -> Array:
-        """Returns where the grip is [m], shape (samples, 3).
+        """Returns the places of the grip [m], shape (samples, 3).
 
-        Args:
-            angle: Joint angles [rad], shape (samples, 4).
+        The joint angles [rad] have the shape (samples, 4).
         """
         return self.in_torso(angle) @ self._axes - self._shoulder
 
     def in_torso(self, angle: Array) -> Array:
-        """Returns where the grip is in the frame of the torso [m], shape (samples, 3)."""
-        found = np.empty((len(angle), 3))
-        hand_places(self.chain.links[0], self.grip, np.ascontiguousarray(angle), found)
-        return found
+        """Returns the places of the grip in the frame of the torso [m], shape (samples, 3)."""
+        return self._jacobians(angle)[:, 4, :3].copy()
 
     def in_world(self, angle: Array) -> Array:
-        """Returns where the grip is in the world [m], shape (samples, 3)."""
+        """Returns the places of the grip in the world [m], shape (samples, 3)."""
         return self.torso + self.in_torso(angle) @ self.turn.T
 
     def from_shoulder(self, places: Array) -> Array:
-        """Returns where places relative to the shoulder are in the world [m], the same shape."""
+        """Returns places relative to the shoulder as places in the world [m], the same shape."""
         return self.torso + (places + self._shoulder) @ self._axes @ self.turn.T
 
     def postures(self, places: Array, start: Array) -> Array:
@@ -118,17 +115,17 @@ class Arm:
     def torque_of(self, angle: Array, force: Array) -> Array:
         """Returns the joint torques that withstand forces on the grip [N·m], shape (samples, 4).
 
-        That is minus J'F with the grip's Jacobian J and forces F forward, outward and up [N], shape
-        (samples, 3).
+        The torque is -J'F, with the Jacobian J of the grip and the forces F forward, outward and up
+        [N], shape (samples, 3).
         """
-        found = np.empty((len(angle), len(JOINTS)))
-        withstanding(
-            self.chain.links[0],
-            self.grip,
-            np.ascontiguousarray(angle),
-            np.ascontiguousarray(force @ self._axes),
-            found,
-        )
+        found, force = self._jacobians(angle), (force @ self._axes)[:, None]
+        columns = np.cross(found[:, :4, :3], found[:, 4:, :3] - found[:, :4, 3:])  # per joint
+        moved = columns * force
+        return -(moved[..., 0] + moved[..., 1] + moved[..., 2])
+
+    def _jacobians(self, angle: Array) -> Array:
+        found = np.empty((len(angle), 5, 6))
+        hand_jacobians(self.chain.links[0], self.grip, np.ascontiguousarray(angle), found)
         return found
 
     @property
@@ -170,7 +167,7 @@ def hand_jacobian(
 
 @njit(cache=True)
 def column(found: AnyArray, joint: int, into: AnyArray) -> None:
-    """Writes the grip's velocity per rate of a joint [m], from the result of `hand_jacobian`."""
+    """Writes the velocity of the grip per rate of a joint [m], from `hand_jacobian`."""
     ux, uy, uz = found[joint, 0], found[joint, 1], found[joint, 2]
     rx, ry, rz = (
         found[4, 0] - found[joint, 3],
@@ -181,35 +178,20 @@ def column(found: AnyArray, joint: int, into: AnyArray) -> None:
 
 
 @njit(cache=True)
-def hand_places(links: AnyArray, grip: AnyArray, angle: AnyArray, places: AnyArray) -> None:
-    """Computes the places of the grip in the frame of the torso [m], shape (samples, 3)."""
-    found = np.empty((5, 6))
+def hand_jacobians(links: AnyArray, grip: AnyArray, angle: AnyArray, found: AnyArray) -> None:
+    """Computes `hand_jacobian` at all samples, shape (samples, 5, 6)."""
     for i in range(angle.shape[0]):
-        hand_jacobian(links, grip, angle, i, found)
-        places[i, 0], places[i, 1], places[i, 2] = found[4, 0], found[4, 1], found[4, 2]
-
-
-@njit(cache=True)
-def withstanding(
-    links: AnyArray, grip: AnyArray, angle: AnyArray, force: AnyArray, torque: AnyArray
-) -> None:
-    """Computes the joint torques that withstand forces on the grip in the frame of the torso."""
-    found, each = np.empty((5, 6)), np.empty(3)
-    for i in range(angle.shape[0]):
-        hand_jacobian(links, grip, angle, i, found)
-        for j in range(4):
-            column(found, j, each)
-            torque[i, j] = -(each[0] * force[i, 0] + each[1] * force[i, 1] + each[2] * force[i, 2])
+        hand_jacobian(links, grip, angle, i, found[i])
 
 
 @njit(cache=True)
 def follow(
     links: AnyArray, grip: AnyArray, wanted: AnyArray, start: AnyArray, angle: AnyArray
 ) -> int:
-    """Computes postures that bring the grip to places; returns the first out of reach, or -1.
+    """Computes postures that bring the grip to places; returns the first place out of reach, or -1.
 
-    The method is damped least squares (Wampler 1986, Nakamura and Hanafusa 1986), which starts each
-    posture from the last.
+    The method is damped least squares (Wampler 1986, Nakamura and Hanafusa 1986), which starts at
+    the last posture.
     """
     found, jacobian = np.empty((5, 6)), np.empty((MOVING, 3))
     left, matrix = np.empty(3), np.empty((MOVING, MOVING))

@@ -43,7 +43,7 @@ _SIZES = (
 _ENDS = np.cumsum([size for _, size in _SIZES]).tolist()
 COLUMNS = {name: slice(end - size, end) for (name, size), end in zip(_SIZES, _ENDS, strict=True)}
 WIDTH = _ENDS[-1]
-"""The columns of each measurement by its name, and how many there are in all."""
+"""The columns of each measurement by its name, and the number of all columns."""
 
 NOISES = 17  # sensors' random numbers in a control period: interaction, EMG, cuffs
 EMG_NOISES, CUFF_NOISES = 4, 8  # first random numbers of the latter two
@@ -200,7 +200,7 @@ def smoothing(cutoff: float | Array, dt: float) -> Any:
 def touch(row: int, moved: bool, arms: Arms) -> None:
     """Measures the torque between person and suit, delayed and noisy.
 
-    It is the wearer's torque minus that of the bare arm in the present motion.
+    This torque is the wearer's torque minus the torque of the bare arm in the present motion.
     """
     physics, at, arm, noisy = arms.physics, arms.at, arms.wearer.arm, arms.noisy
     present, delayed, step = noisy.present, noisy.interaction_delay, arms.episode.step[row]

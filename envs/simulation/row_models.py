@@ -24,9 +24,8 @@ LOADED = ("body_pos", "body_mass", "body_inertia")
 class Variety:
     """What may differ between the rows of a simulation, beside their motions.
 
-    `wearers` and `suits` are those that rows may have instead of the configured ones; the others
-    say whether the exoskeleton may sit differently on each wearer, and whether rows may have loads
-    and a gravity of their own.
+    `wearers` and `suits` are those that rows may have instead of the configured wearer and suit.
+    The other fields say whether the misalignment, the load and the gravity of a row may differ.
     """
 
     wearers: tuple[Person, ...] = ()
@@ -39,17 +38,9 @@ class Variety:
 class RowModels:
     """Gives rows of a batch their own wearer, misalignment, load and gravity.
 
-    Args:
-        config: Configuration of the arms, which rows have at first.
-        variety: What may differ.
-        edits: What a task adds to the model.
-
-    Attributes:
-        model: Model of a row, with a body for the load if there may be one.
-        persons: The wearers.
-        arms: Bare arm of each wearer.
-        chains: Inertial parameters of each bare arm.
-        strengths: Isometric strength of each wearer [N·m], shape (2, 4) each.
+    Attributes: model: Model of a row, with a body for the load if there may be a load. persons: The
+    wearers. arms: Bare arm of each wearer. chains: Inertial parameters of each bare arm. strengths:
+    Isometric strength of each wearer [N·m], shape (2, 4) each.
     """
 
     def __init__(self, config: ArmConfig, variety: Variety, edits: Edits | None = None) -> None:
@@ -137,7 +128,7 @@ class RowModels:
         self._batch.set_const(rows)
 
     def strap(self, plugin_state: Array, wearer: int, misalignment: Array) -> None:
-        """Straps the cuffs of one row on, after a reset: they bear no force on a hanging arm."""
+        """Straps the cuffs of one row on after a reset; they bear no force on a hanging arm."""
         own, first = self._strapped[wearer], self._strapped[0]
         np.copyto(plugin_state, own, where=own != first)
         if misalignment.any():

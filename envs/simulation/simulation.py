@@ -9,8 +9,8 @@
 `begin` puts some rows at rest at the start of their intention, and `step` moves rows by one control
 period. Row i is the same to the last bit whatever the other rows do, for any number of rows and
 threads: kernels get the index of a row, and draw no random numbers. `state`, `plugin_state`,
-`sensordata` and `measured` are views of the arrays in which the kernels write: copy what shall last
-beyond the next call.
+`sensordata` and `measured` are views of the arrays in which the kernels write: copy the values that
+you need after the next call.
 """
 
 import os
@@ -50,49 +50,33 @@ NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Start of an episode of one row.
+    """Start of an episode of one row."""
 
-    Attributes:
-        plan: Intended motion of the wearer, and loads on the hand, as `Simulation.checked` returns.
-        suit: Joints of the wearer's suit; None is the compiled one.
-        encoder_offset: Error of the encoders' zeros [rad], shape (4,).
-        payload: Load at the hand; None is that of the configuration.
-        gravity: Name of the place; None is that of the configuration.
-        wearer: Number of the wearer.
-        misalignment: Displacement of the exoskeleton from its configured position [m], shape (3,).
-        noise_scale: Factor of the noise of sensors.
-    """
-
+    # Intended motion of the wearer, and loads on the hand, as `Simulation.checked` returns.
     plan: Plan
-    suit: Mapping[str, SuitJoint] | None
-    encoder_offset: Array
-    payload: Payload | None
-    gravity: str | None
-    wearer: int
+    suit: Mapping[str, SuitJoint] | None  # joints of the wearer's suit; None is the compiled suit
+    encoder_offset: Array  # error of the encoders' zeros [rad], shape (4,)
+    payload: Payload | None  # load at the hand; None is that of the configuration
+    gravity: str | None  # name of the place; None is that of the configuration
+    wearer: int  # number of the wearer
+    # Displacement of the exoskeleton from its configured position [m], shape (3,).
     misalignment: Array
-    noise_scale: float
+    noise_scale: float  # factor of the noise of sensors
 
 
 class Posture(NamedTuple):
-    """Time and pose of a row, from which its picture is drawn.
+    """Time and pose of a row, from which its picture is drawn."""
 
-    Attributes:
-        time: Simulated time [s].
-        position: Position `qpos` of the physics.
-        loaded: Whether the hand carries the task's load.
-    """
-
-    time: float
-    position: Array
-    loaded: bool
+    time: float  # simulated time [s]
+    position: Array  # position `qpos` of the physics
+    loaded: bool  # whether the hand carries the task's load
 
 
 class Simulation:
     """Simulates rows of arms, without task and reward.
 
     Each row is an arm with its suit, exoskeleton and wearer. A control period is `before`, the
-    physics of all rows, and `after` (see `cycle`). Row i is the same to the last bit whatever the
-    other rows do, for any number of rows and threads.
+    physics of all rows, and `after` (see `cycle`).
 
     Args:
         config: Configuration of the arms.
@@ -155,18 +139,16 @@ class Simulation:
     def begin(
         self, rows: Rows, start_of: Callable[[int], Start], learned: Mapping[str, Array]
     ) -> None:
-        """Begins an episode in some rows: rested wearers hold their first intended posture.
+        """Begins an episode in some rows, shape (k,), with rested wearers at their first posture.
 
-        The posture is in equilibrium: the slow correction starts at the torque that the
-        feed-forward torque lacks. Strength does not limit it there: a wearer who is too weak drops
+        `start_of` returns the start of the episode of a row. `learned` has what the wearers have
+        learned [N·m], shape (k, samples, 4) each, by the names of `Intention`. Seeds and numbers of
+        the episodes must be in `state` before the call.
+
+        The posture is in equilibrium: the slow correction starts at the torque that the feed-
+        forward torque lacks. Strength does not limit this torque: a wearer who is too weak drops
         the arm afterwards. Motors begin without torque; see `cycle.drive` for the first control
-        period. Seeds and numbers of the episodes must be in `state` before the call.
-
-        Args:
-            rows: The rows, shape (k,).
-            start_of: Function that returns the start of the episode of a row.
-            learned: What the wearers have learned [N·m], shape (k, samples, 4) each, by the names
-                of `Intention`.
+        period.
         """
         learning = self.state.wearer.learning
         for values in self._cleared:
@@ -189,12 +171,10 @@ class Simulation:
             self._injector.begin(rows)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
-        """Moves some rows by one control period.
+        """Moves some rows, by default all, by one control period.
 
-        Args:
-            action: Torque of the motors over their peaks, finite, shape (n, motors); values beyond
-                [-1, 1] are clipped and counted.
-            rows: The rows that move; by default all.
+        `action` is the torque of the motors over their peaks, finite, shape (n, motors); values
+        beyond [-1, 1] are clipped and counted.
         """
         if self._pid is not None and os.getpid() != self._pid:
             raise InputError(
@@ -221,7 +201,7 @@ class Simulation:
             self._injector.deliver(moving, received, step * self.control_dt, now)
 
     def checked(self, plan: Plan) -> Plan:
-        """Returns a plan that these arms can carry out; raises an InputError otherwise."""
+        """Returns the plan; raises an InputError if these arms cannot carry it out."""
         carries, pushes = self._options.carries, self._pushed
         return checked_plan(plan, self.samples, self.ranges, carries=carries, pushes=pushes)
 
@@ -230,9 +210,9 @@ class Simulation:
         return self._row_models.arms[wearer]
 
     def dressed(self, row: int) -> Chain:
-        """Returns the arm of a row in its suit, with the load of the configuration if it has one.
+        """Returns the arm of a row with suit and load of the configuration.
 
-        Loads that a task puts into the hand later are not part of it, nor is an exoskeleton.
+        Loads that a task puts into the hand later are not part of the arm, nor is an exoskeleton.
         """
         chain = self._row_models.dressed(int(self.state.conditions.wearer[row]))
         return replace(chain, gravity=self.state.wearer.arm.gravity[row, None].copy())
@@ -258,7 +238,7 @@ class Simulation:
         return {name: values[rows] for name, values in arrays.items()}
 
     def set_state(self, rows: Rows, state: dict[str, NDArray]) -> None:
-        """Restores what `get_state` returned, in as many rows; they then continue bit for bit."""
+        """Restores a result of `get_state` in as many rows, which then continue bit for bit."""
         self.batch.reset(rows, stage=NOTHING)
         self.batch.state[rows] = state["physics"]
         for name, values in self._saved.items():
@@ -393,7 +373,7 @@ class Simulation:
         return self._rest[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:
-        return None if len(rows) == self.n else rows  # Batch takes all of them faster
+        return None if len(rows) == self.n else rows  # Batch moves all rows faster
 
     def _write_differences(self, rows: Rows) -> None:
         models, conditions, muscles = self._row_models, self.state.conditions, self.state.muscles
@@ -419,7 +399,7 @@ class Simulation:
                 start_angle=entry.start_angle,
                 start_torque=entry.start_torque,
                 start_path=entry.start_path,
-                allow_uncertified=True,  # `SuitJoint` has checked it
+                allow_uncertified=True,  # `SuitJoint` has checked the model
             )
 
     def _fill_encoders(self, rows: Rows) -> None:

@@ -14,41 +14,24 @@ from ...arrays import Array
 from ...checks import HIGHEST_SEED
 from ...errors import InputError, shown
 from ..model import ArmConfig
-from ..model.encoders import count_of
+from ..model.exoskeleton import count_of
 from ..person import VoluntaryControl
 from ..person.control import noise_constants, sight_periods
+from . import structs
 from .faults import RECEPTION, Faults
 from .inverse_dynamics import Chain
 from .measurements import NOISES, WIDTH, Sensing, smoothing
 from .row_models import Variety
-from .structs import (
-    LARGEST,
-    Addresses,
-    Conditions,
-    Episode,
-    Feedback,
-    Intention,
-    Learning,
-    Motions,
-    Motors,
-    MuscleNoise,
-    Muscles,
-    NoisySensors,
-    Reception,
-    Sensors,
-    Wearer,
-    allocated,
-    saved,
-)
+from .structs import Motions, allocated, saved
 from .wearer_control import FEATURES
 
 
 def stream(seed: int, episode: int, purpose: str, part: int = 0) -> np.random.Generator:
     """Returns the generator of one purpose, such as "motion", in one episode of a seed.
 
-    Draws for one purpose do not change those for another, nor those of other rows of a vector
-    environment, in whatever order they are made. `part` is the number of the stretch of the
-    episode, for series that are drawn in stretches.
+    Draws for one purpose do not change the draws for another purpose, nor those of other rows of a
+    vector environment, in whatever order the draws are made. `part` is the number of the stretch of
+    the episode, for series that are drawn in stretches.
     """
     return np.random.default_rng((seed, episode, zlib.crc32(purpose.encode()), part))
 
@@ -60,64 +43,52 @@ def fresh_seed() -> int:
 
 STRETCH = 64  # control periods for which random numbers are drawn at once
 KEPT = ("seed", "episode", "limit", "angle", "rate", "acceleration", "next_gains")
-"""Arrays of the state that the next episode takes over, or overwrites whole."""
+"""Arrays of the state that the next episode keeps, or overwrites as a whole."""
 
 
 PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observation
 
 
 class State(NamedTuple):
-    """Everything about the rows that is not in the physics."""
+    """State of the rows outside the physics."""
 
-    episode: Episode
-    conditions: Conditions
-    intention: Intention
-    wearer: Wearer
-    muscles: Muscles
-    motors: Motors
-    sensors: Sensors
-    noisy: NoisySensors
-    reception: Reception
+    episode: structs.Episode
+    conditions: structs.Conditions
+    intention: structs.Intention
+    wearer: structs.Wearer
+    muscles: structs.Muscles
+    motors: structs.Motors
+    sensors: structs.Sensors
+    noisy: structs.NoisySensors
+    reception: structs.Reception
 
     def arrays(self) -> dict[str, NDArray]:
-        """Returns the arrays of the state themselves, by name, without constants and scratch."""
+        """Returns the arrays of the state by name, not copied, without constants and scratch."""
         return {name: values for name, (values, _) in saved(self).items()}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SimulationOptions:
-    """What the rows of a simulation have in common, beside the configuration of the arms.
+    """What the rows of a simulation have in common, beside the configuration of the arms."""
 
-    Attributes:
-        samples: Number of samples of an intention.
-        control_dt: Control period [s].
-        control: The wearer's control of the arm.
-        fatigue: Whether effort tires the wearers.
-        sensing: Noise, delay and bandwidth of sensors.
-        faults: Faults of sensors and motors.
-        variety: What may differ between rows.
-        noisy: Whether the sensors that have noise are read, which takes time.
-        carries: Whether loads change during an episode; rows then may have loads of their own.
-        learned: Whether episodes may begin with what the wearers have learned for them.
-    """
-
-    samples: int
-    control_dt: float
-    control: VoluntaryControl
-    fatigue: bool = False
-    sensing: Sensing = field(default_factory=Sensing)
-    faults: Faults = field(default_factory=Faults)
-    variety: Variety = field(default_factory=Variety)
-    noisy: bool = False
+    samples: int  # number of samples of an intention
+    control_dt: float  # control period [s]
+    control: VoluntaryControl  # the wearer's control of the arm
+    fatigue: bool = False  # whether effort tires the wearers
+    sensing: Sensing = field(default_factory=Sensing)  # noise, delay and bandwidth of sensors
+    faults: Faults = field(default_factory=Faults)  # faults of sensors and motors
+    variety: Variety = field(default_factory=Variety)  # what may differ between rows
+    noisy: bool = False  # whether the sensors that have noise are read, which takes time
+    # Whether loads change during an episode; rows then may have loads of their own.
     carries: bool = False
-    learned: bool = False
+    learned: bool = False  # whether episodes may begin with what the wearers have learned for them
 
 
 def state_of(
     n: int,
     config: ArmConfig,
     options: SimulationOptions,
-    at: Addresses,
+    at: structs.Addresses,
     arm: tuple[Chain, Array, Array],
 ) -> State:
     """Returns the state of rows before their first reset.
@@ -128,34 +99,32 @@ def state_of(
     samples, dt, noisy = options.samples, options.control_dt, options.noisy
     chain, strength, impedance = arm
     fails, varies = faults != Faults(), control.noise > 0 or control.tremor > 0
-    motors = dict([*config.exo.motors.items()][: at.motors.size])
+    motors = dict([*config.exo.motors.items()][: at.motors.size])  # none without an exoskeleton
     heat = [(one.continuous_torque, one.thermal_time_constant) for one in motors.values()]
     stopped = [faults.since if joint in faults.stopped else math.inf for joint in motors]
     sizes = {
+        **{"n": n, "samples": samples, "motors": len(motors), "features": FEATURES},
+        **{"measurements": WIDTH, "noises": NOISES, "sight": sight_periods(dt)},
+        **{"reflex_delay": round(control.delay / dt), "gains": FEATURES if control.learns else 0},
         **{
-            "n": n,
-            "samples": samples,
             "learned": samples if options.learned else 0,
-            "motors": len(motors),
+            "pushes": samples if at.pushes.size else 0,
         },
-        **{"masses": samples if options.carries else 0, "pushes": samples if at.pushes.size else 0},
-        **{"features": FEATURES, "gains": FEATURES if control.learns else 0},
-        **{"reflex_delay": round(control.delay / dt), "sight": sight_periods(dt)},
-        **{"muscle_draws": STRETCH if varies else 0, "sensor_draws": STRETCH if noisy else 0},
+        **{"masses": samples if options.carries else 0, "muscle_draws": STRETCH if varies else 0},
+        **{"sensor_draws": STRETCH if noisy else 0, "fault_draws": STRETCH if fails else 0},
+        "received": RECEPTION.size if fails else 0,
         "interaction_delay": 1 + (round(sensing.interaction_delay / dt) if noisy else 0),
-        **{"fault_draws": STRETCH if fails else 0, "received": RECEPTION.size if fails else 0},
-        **{"measurements": WIDTH, "noises": NOISES},
     }
     state = State(
-        episode=allocated(Episode, sizes, dt=dt),
-        conditions=allocated(Conditions, sizes),
-        intention=allocated(Intention, sizes, motion=allocated(Motions, sizes)),
-        wearer=Wearer(
+        episode=allocated(structs.Episode, sizes, dt=dt),
+        conditions=allocated(structs.Conditions, sizes),
+        intention=allocated(structs.Intention, sizes, motion=allocated(Motions, sizes)),
+        wearer=structs.Wearer(
             arm=chain.rows(n),
-            feedback=allocated(Feedback, sizes, **control.feedback(dt)),
-            learning=allocated(Learning, sizes, **control.learning(dt)),
+            feedback=allocated(structs.Feedback, sizes, **control.feedback(dt)),
+            learning=allocated(structs.Learning, sizes, **control.learning(dt)),
             noise=allocated(
-                MuscleNoise,
+                structs.MuscleNoise,
                 sizes,
                 recursion=noise_constants(dt),
                 noise=control.noise,
@@ -163,27 +132,27 @@ def state_of(
             ),
         ),
         muscles=allocated(
-            Muscles,
+            structs.Muscles,
             sizes,
             strength=np.tile(strength, (n, 1, 1)),
             impedance=np.tile(impedance, (n, 1, 1)),
             tires=options.fatigue,
         ),
         motors=allocated(
-            Motors,
+            structs.Motors,
             sizes,
             ratings=np.vstack([at.peak_torque, np.reshape(heat, (-1, 2)).T]),
             fails=np.array(stopped),
         ),
         sensors=allocated(
-            Sensors,
+            structs.Sensors,
             sizes,
             preview=np.array([round(ahead / dt) for ahead in PREVIEW]),
             resolution=count_of(config.exo.encoder_bits),
             smoothing=smoothing(sensing.rate_cutoff, dt),
         ),
         noisy=allocated(
-            NoisySensors,
+            structs.NoisySensors,
             sizes,
             present=allocated(Motions, {**sizes, "samples": 1}),
             interaction_noise=sensing.interaction_noise,
@@ -192,14 +161,14 @@ def state_of(
             emg_lead=round(sensing.emg_lead / dt),
             emg_smoothing=smoothing(sensing.emg_cutoff, dt),
         ),
-        reception=allocated(Reception, sizes),
+        reception=allocated(structs.Reception, sizes),
     )
     state.episode.episode[:], state.episode.limit[:] = -1, samples - 1
     state.noisy.noise_scale[:] = 1.0
     return state
 
 
-PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
+PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # everything that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
 
 
@@ -210,10 +179,10 @@ def check_state(
     bounds: dict[str, tuple[float, float]],
     model: mujoco.MjModel,
 ) -> None:
-    """Checks that a state that a user gave came from an identically configured environment.
+    """Checks a state that a user gave: it must be of an identically configured environment.
 
-    `config` and `present` are configuration and state of the rows to restore, and `bounds` the
-    lowest and highest number of arrays, where they are narrower than LARGEST.
+    `config` and `present` are configuration and state of the rows to restore. `bounds` are the
+    lowest and highest number of arrays whose range is narrower than LARGEST.
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
@@ -229,7 +198,7 @@ def check_state(
     if isinstance(diverged, np.ndarray) and diverged.dtype == np.bool_ and diverged.any():
         raise InputError("the state is of an episode that has diverged: go on from an earlier one")
     for name, own in present.items():
-        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
+        value, (low, high) = state[name], bounds.get(name, (-structs.LARGEST, structs.LARGEST))
         wanted, usable = f"{own.dtype} numbers of shape {own.shape}", isinstance(value, np.ndarray)
         usable = usable and value.dtype == own.dtype and value.shape == own.shape
         if name != "physics":
@@ -248,7 +217,7 @@ def check_state(
 
 def _check_config(saved: Any, own: dict[str, Any]) -> None:
     if not isinstance(saved, dict) or saved.keys() != own.keys():
-        raise InputError(f"the state's config is {shown(saved)}: give that of get_state")
+        raise InputError(f"the state's config is {shown(saved)}: give the config of get_state")
     differing = list(_differences("", saved, own))
     if differing:
         there, here = (
@@ -256,15 +225,15 @@ def _check_config(saved: Any, own: dict[str, Any]) -> None:
             for side in range(2)
         )
         raise InputError(
-            f"the state is of an environment with {there}, and this one has {here}: make it with "
-            "the same options"
+            f"the state is of an environment with {there}, and this environment has {here}: make "
+            "both with the same options"
         )
 
 
 def _differences(
     where: str, saved: dict[str, Any], own: dict[str, Any]
 ) -> Iterator[tuple[str, Any, Any]]:
-    """Yields the name of each option that differs, also within others, and both values."""
+    """Yields the name of each option that differs, also of nested options, and both values."""
     for name, value in own.items():
         there = saved[name]
         if isinstance(there, dict) and isinstance(value, dict) and there.keys() == value.keys():

@@ -30,7 +30,7 @@ Bools = NDArray[np.bool_]
 Index = int | np.int64
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 MOST = 10**9  # [control periods], greatest count
-LARGEST = 1e9  # [SI], more than in any episode; sums of it stay finite
+LARGEST = 1e9  # [SI], more than in any episode; sums stay finite
 STRONGEST = 1e4  # [N·m], more than any torque of reflex, correction or learning
 
 
@@ -62,7 +62,7 @@ def allocated(kind: type[Struct], sizes: Mapping[str, int], **given: Any) -> Str
 
 
 def saved(struct: Any) -> dict[str, tuple[NDArray, Saved]]:
-    """Returns the arrays of a struct that are marked as `Saved`, also within others, by name."""
+    """Returns the arrays of a struct and of its structs that are marked as `Saved`, by name."""
     return dict(_saved(struct))
 
 
@@ -130,11 +130,13 @@ class Motions(NamedTuple):
 
 
 class Intention(NamedTuple):
-    """Intended motion of the wearer, and what was learned for it; without samples for nothing."""
+    """Intended motion of the wearer, and learned torques; without samples if none are learned."""
 
     motion: Motions
     learned_torque: Annotated[Array, Saved("n learned 4", -STRONGEST, STRONGEST)]  # N·m
-    learned_contraction: Annotated[Array, Saved("n learned 4")]  # beyond the usual one [N·m]
+    learned_contraction: Annotated[
+        Array, Saved("n learned 4")
+    ]  # beyond the usual contraction [N·m]
 
 
 class BareArm(NamedTuple):
@@ -247,14 +249,14 @@ class Reception(NamedTuple):
 
 
 class Addresses(NamedTuple):
-    """Whole into mjData, in the order of `JOINTS` (4) or `ASSISTED` (2).
+    """Addresses in mjData, in the order of `JOINTS` (4) or `ASSISTED` (2).
 
     The arrays of motors are empty without an exoskeleton, and those of cuff forces without cuffs.
     """
 
     joints: Whole  # angles of the arm in qpos, and rates in qvel (all joints are hinges), (4,)
-    exo_joints: Whole  # angles of the exoskeleton in qpos, those of the arm if it is rigid, (4,)
-    driven: Whole  # those of the exoskeleton's joints that carry a motor, (2,)
+    exo_joints: Whole  # angles of the exoskeleton in qpos, those of the arm if rigid, (4,)
+    driven: Whole  # angles of the exoskeleton's joints that carry a motor, (2,)
     assisted: Whole  # positions of the assisted joints in `JOINTS`, (2,)
     human: Whole  # torques of the wearer in actuator_force, (4,)
     intention: Whole  # controls of the wearer: position, velocity, feed-forward, (3, 4)
@@ -311,7 +313,7 @@ class Addresses(NamedTuple):
 
 
 class Arms(NamedTuple):
-    """All that the kernels of the control cycle work on."""
+    """Everything on which the kernels of the control cycle work."""
 
     physics: Physics
     at: Addresses

@@ -41,10 +41,10 @@ def most(isometric: float, way: int, joint: int, angle: float, speed: float) -> 
 
 @inner(forceinline=True)
 def describe(row: int, sample: Index, intention: Intention, wearer: Wearer) -> None:
-    """Computes features of the intended motion at a sample, which the net load depends on.
+    """Computes the features of the intended motion at a sample, on which the net load depends.
 
     Sines and cosines represent weight, rates friction and hysteresis, accelerations inertia. The
-    bare arm's torque at the sample must be in `wearer.arm.torque`.
+    torque of the bare arm at the sample must be in `wearer.arm.torque`.
     """
     motion, features = intention.motion, wearer.learning.features
     upper = motion.angle[row, sample, 1]
@@ -90,10 +90,10 @@ def feed_forward(row: int, sample: Index, intention: Intention, wearer: Wearer) 
 def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
     """Updates the learned gains by the torque that was needed now, at the features of `sample`.
 
-    The rule is normalized least mean squares; it converges where learning and forgetting balance.
-    It updates `next_gains`, which take effect in the next episode; in this one reflex and
-    correction already carry the load. `feedback.needed` is the torque that was needed beside the
-    feed-forward torque.
+    The rule is normalized least mean squares; the gains converge where learning and forgetting
+    balance. The rule updates `next_gains`, which take effect in the next episode; in the present
+    episode reflex and correction already carry the load. `feedback.needed` is the torque that was
+    needed beside the feed-forward torque.
     """
     learning = wearer.learning
     gains, next_gains, features = learning.gains, learning.next_gains, learning.features
@@ -121,10 +121,10 @@ def correct(
     limits: tuple[float, float],
     feedback: Feedback,
 ) -> None:
-    """Advances the voluntary correction of a joint; a new one may begin in this control period.
+    """Advances the voluntary correction of a joint; a new correction may begin in this period.
 
-    What the last two goals changed has not shown yet in the error that is seen. The change has the
-    course of minimum jerk, and its goal is within strength.
+    The seen error does not show the effect of the last two goals yet. A change has the course of
+    minimum jerk, and its goal is within strength.
     """
     place = step % feedback.correction_delay.shape[1]
     seen = feedback.correction_delay[row, place, joint]
@@ -147,7 +147,7 @@ def correct(
 
 @inner(forceinline=True)
 def contraction(row: int, sample: Index, joint: int, intention: Intention) -> float:
-    """Returns the co-contraction that was learned for a sample, beyond the usual one [N·m]."""
+    """Returns the co-contraction that was learned for a sample, beyond the usual [N·m]."""
     learned = intention.learned_contraction
     return learned[row, sample, joint] if learned.shape[1] > 0 else 0.0
 

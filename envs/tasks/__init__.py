@@ -52,7 +52,7 @@ TASKS: dict[str, Task] = {
 
 
 def task_of(given: str | Task) -> Task:
-    """Returns a task, the shipped one of that name, or the motion of a CSV file."""
+    """Returns a task: the given task, a shipped task by name, or the motion of a CSV file."""
     if isinstance(given, Task):
         return given
     if not isinstance(given, str):

@@ -9,14 +9,16 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ...checks import pair
 from ...errors import InputError, shown, unknown_name
 from ...published import LI_RANGES, LI_TURNS
+from ..provenance import setting
 from ..simulation.episode_plan import Motion, Plan
 from ..simulation.kinematics import Arm
-from .motions import between, posture, ramped, random_motion, through
-from .task import LONGEST, SUSTAINED, Task, check_pair
+from .motions import between, posture, ramped, random_moves, through
+from .task import LONGEST, SUSTAINED, Task
 
-SHOULDER_RANGE, ELBOW_RANGE = LI_RANGES["shoulder"], LI_RANGES["elbow"]  # rad
+RANGES = {f"{joint}_flexion": angles for joint, angles in LI_RANGES.items()}  # rad
 SHORTEST_MOVE = 0.01  # s
 
 Spans = Mapping[str, tuple[float, float]]
@@ -30,13 +32,13 @@ class RandomMoves(Task):
         span: Lowest and highest angle [rad] of the joints that move.
         hold: Lowest and highest angle [rad] of the joints that stay at a random angle.
         move_time: Shortest and longest time of a move [s].
-        dwell_time: Shortest and longest rest after it [s].
+        dwell_time: Shortest and longest rest after a move [s].
     """
 
     span: Spans = field(default_factory=dict)
     hold: Spans = field(default_factory=dict)
-    move_time: tuple[float, float] = (1.2, 2.4)
-    dwell_time: tuple[float, float] = (0.0, 0.5)
+    move_time: tuple[float, float] = setting((1.2, 2.4), "s", SHORTEST_MOVE, LONGEST)
+    dwell_time: tuple[float, float] = setting((0.0, 0.5), "s", 0, LONGEST)
 
     source: ClassVar[str] = "ranges of Li et al. 2022; times assumed"
 
@@ -48,18 +50,10 @@ class RandomMoves(Task):
             raise InputError(
                 f"the task's span and hold both have {joint}: a joint either moves or stays"
             )
-        for what, least in (("move_time", SHORTEST_MOVE), ("dwell_time", 0.0)):
-            times = getattr(self, what)
-            check_pair(f"the task's {what}", times, " s")
-            if not least <= times[0] <= times[1] <= LONGEST:
-                raise InputError(
-                    f"the task's {what} is {shown(times)}: give the shortest and the longest time, "
-                    f"from {least:g} to {LONGEST:g} s"
-                )
 
     @property
     def about(self) -> str:
-        """What the wearer does, in words."""
+        """Description of the motion."""
         moved, resting = (
             " and ".join(joint.replace("_flexion", "").replace("_", " ") for joint in joints)
             for joints in (self.span, self.hold)
@@ -68,10 +62,14 @@ class RandomMoves(Task):
         return f"Between random angles: {moved or 'nothing'}{rest}."
 
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
-        """Returns random minimum-jerk moves; see `Task.motion`."""
-        return random_motion(
-            rng, self.span, self.hold, samples, dt, self.move_time, self.dwell_time
-        )
+        """Returns random minimum-jerk moves; joints in neither mapping stay at zero."""
+        motion = np.zeros((3, samples, len(JOINTS)))
+        for joint, (low, high) in self.span.items():
+            moves = random_moves(rng, low, high, samples, dt, self.move_time, self.dwell_time)
+            motion[:, :, JOINTS.index(joint)] = moves
+        for joint, angles in self.hold.items():
+            motion[0, :, JOINTS.index(joint)] = rng.uniform(*angles)
+        return motion[0], motion[1], motion[2]
 
 
 def _check_spans(what: str, given: Any) -> None:
@@ -80,40 +78,31 @@ def _check_spans(what: str, given: Any) -> None:
     for joint, angles in given.items():
         if joint not in JOINTS:
             raise unknown_name(f"joint in the task's {what}", joint, JOINTS)
-        check_pair(f"the task's {what} of {joint}", angles, " rad")
-        if not angles[0] < angles[1]:
-            raise InputError(
-                f"the task's {what} of {joint} is {shown(angles)}: give the smaller angle first"
-            )
+        pair(f"the task's {what} of {joint}", angles, -LONGEST, LONGEST, " rad")
 
 
 SHOULDER_FLEXION = RandomMoves(
     name="ShoulderFlexion",
-    span={"shoulder_flexion": SHOULDER_RANGE},
+    span={"shoulder_flexion": RANGES["shoulder_flexion"]},
     hold={"elbow_flexion": (0.6, 1.2)},
     effort=SUSTAINED,
 )
-"""The shoulder flexes and extends between random angles; the elbow stays at one."""
+"""The shoulder flexes and extends between random angles; the elbow stays at a random angle."""
 
 ELBOW_FLEXION = RandomMoves(
     name="ElbowFlexion",
-    span={"elbow_flexion": ELBOW_RANGE},
+    span={"elbow_flexion": RANGES["elbow_flexion"]},
     hold={"shoulder_flexion": (0.4, 1.0)},
     effort=SUSTAINED,
 )
-"""The elbow flexes and extends between random angles; the shoulder stays at one."""
+"""The elbow flexes and extends between random angles; the shoulder stays at a random angle."""
 
-ARM_TRACKING = RandomMoves(
-    name="ArmTracking",
-    span={"shoulder_flexion": SHOULDER_RANGE, "elbow_flexion": ELBOW_RANGE},
-    effort=SUSTAINED,
-)
+ARM_TRACKING = RandomMoves(name="ArmTracking", span=RANGES, effort=SUSTAINED)
 """Shoulder and elbow move independently between random angles."""
 
 
 FREQUENCIES = np.array([0.3, 0.4, 0.5, 0.6, 0.7])  # Hz
 BEGINNING = 1.0  # [s], rise of the amplitude from rest
-MOVED = {"shoulder_flexion": LI_RANGES["shoulder"], "elbow_flexion": LI_RANGES["elbow"]}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +118,7 @@ class MinorLoops(Task):
         time = dt * np.arange(samples)
         motion = np.zeros((3, samples, len(JOINTS)))
         speed = math.tau * FREQUENCIES
-        for joint, (low, high) in MOVED.items():
+        for joint, (low, high) in RANGES.items():
             phase = rng.uniform(0, math.tau, FREQUENCIES.size)
             turned = speed * time[:, None] + phase
             wave = np.sin(turned).sum(axis=1)
@@ -160,15 +149,14 @@ class TransitionCurves(Task):
     source: ClassVar[str] = "Li et al. 2022, curves of identification; ramp times assumed"
 
     def turns(self, joint: str, rng: np.random.Generator) -> Sequence[tuple[float, float]]:
-        """Returns where a joint turns back [rad], and the time of the way there [s]."""
+        """Returns pairs: an angle at which a joint turns back [rad], and the time there [s]."""
         return [(turn, RAMP) for turn in rng.permutation(LI_TURNS[joint])]
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns ways of one joint from the start of its range and back, then of the other one.
+        """Returns ways of one joint from the start of its range and back, then of the other joint.
 
         The ends of the ways are watched if the task watches the hand.
         """
-        del arm
         stops, ends, now = [], [], 0.0
         for joint in ("shoulder", "elbow") if rng.random() < 0.5 else ("elbow", "shoulder"):
             now += RAMP if stops else 0.0  # the motion changes from one joint to the other
@@ -191,7 +179,6 @@ class RangeOfMotion(TransitionCurves):
 
     def turns(self, joint: str, rng: np.random.Generator) -> Sequence[tuple[float, float]]:
         """Returns three sweeps to the end of the range."""
-        del rng
         low, high = LI_RANGES[joint]
         return [(high, (high - low) / SPEED)] * TRIES
 

@@ -1,13 +1,12 @@
-"""Intended motions: minimum-jerk moves, between random angles or through given ones."""
+"""Intended motions: minimum-jerk moves between random angles, or from stop to stop."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 from numba import njit
 
 from ...arrays import AnyArray, Array
-from ...assets import JOINTS
 from ..simulation.episode_plan import Motion
 
 
@@ -33,8 +32,8 @@ def random_moves(
     """Returns angle, rate and acceleration of minimum-jerk moves between random targets.
 
     Every move covers at least a quarter of the span, so that the suit resists noticeably. Angles
-    are in rad, times in s: the shortest and the longest one of a move, and of the rest after it.
-    The motion has the shape (3, samples).
+    are in rad. `move_time` and `dwell_time` are the shortest and the longest time of a move and of
+    the rest after a move [s]. The motion has the shape (3, samples).
     """
     motion = np.zeros((3, samples))
     least = (high - low) / 4.0
@@ -59,33 +58,11 @@ def random_moves(
     return motion
 
 
-def random_motion(
-    rng: np.random.Generator,
-    span: Mapping[str, tuple[float, float]],
-    hold: Mapping[str, tuple[float, float]],
-    samples: int,
-    dt: float,
-    move_time: tuple[float, float],
-    dwell_time: tuple[float, float],
-) -> Motion:
-    """Returns angle, rate and acceleration of the whole arm, shape (samples, 4) each.
-
-    The joints in `span` make `random_moves`, the joints in `hold` stay at a random angle, and all
-    others stay at zero.
-    """
-    motion = np.zeros((3, samples, len(JOINTS)))
-    for joint, (low, high) in span.items():
-        moves = random_moves(rng, low, high, samples, dt, move_time, dwell_time)
-        motion[:, :, JOINTS.index(joint)] = moves
-    for joint, between in hold.items():
-        motion[0, :, JOINTS.index(joint)] = rng.uniform(*between)
-    return motion[0], motion[1], motion[2]
-
-
 def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Motion:
-    """Returns minimum-jerk moves from stop to stop, and two derivatives; one twice is a rest.
+    """Returns minimum-jerk moves from stop to stop, and two derivatives.
 
-    A stop is a time [s] and joint angles [rad] or a place [m], shape (k,); the last one is kept.
+    A stop is a time [s] and joint angles [rad] or a place [m], shape (k,). Two equal stops in turn
+    are a rest, and the motion stays at the last stop.
     """
     time = dt * np.arange(samples)
     motion = np.zeros((3, samples, len(stops[-1][1])))
@@ -102,9 +79,9 @@ def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Mo
 def ramped(
     wave: AnyArray, rate: AnyArray, acceleration: AnyArray, time: AnyArray, beginning: float
 ) -> tuple[Array, Array, Array]:
-    """Returns a wave with its two derivatives that grows from rest within a time `beginning` [s].
+    """Returns a wave that grows from rest within `beginning` [s], and two derivatives.
 
-    All have the shape (samples,).
+    All arrays have the shape (samples,).
     """
     grown, growth, bend = minimum_jerk(np.minimum(time / beginning, 1.0))
     growth, bend = growth / beginning, bend / beginning**2
@@ -121,7 +98,7 @@ def posture(shoulder: float, elbow: float, abduction: float = 0.0, wrist: float 
 
 
 def between(windows: Sequence[tuple[float, float]], samples: int, dt: float) -> AnyArray:
-    """Returns which samples are in one of some windows of time [s], both ends included."""
+    """Returns whether each sample is in a window of time [s], with both ends of the window."""
     time = dt * np.arange(samples)
     found = np.zeros(samples, np.bool_)
     for begin, end in windows:
@@ -130,6 +107,6 @@ def between(windows: Sequence[tuple[float, float]], samples: int, dt: float) -> 
 
 
 def repeated(stops: Sequence[tuple[float, Array]], period: float, duration: float) -> list:
-    """Returns the stops of a cycle, again and again, until a duration has passed [s]."""
+    """Returns the stops of a cycle, repeated until a duration [s] has passed."""
     cycles = int(np.ceil(duration / period)) + 1
     return [(cycle * period + time, at) for cycle in range(cycles) for time, at in stops]

@@ -6,14 +6,27 @@ from typing import ClassVar
 
 import mujoco
 import numpy as np
+from mujoco import mjtGeom
 
 from ...arrays import Array
-from ..model.workplace import CARRIED, add_pushes, draw, grip, holder, place_of, straight_arm
+from ..model.workplace import (
+    CARRIED,
+    add_pushes,
+    draw,
+    draw_bar,
+    grip,
+    holder,
+    place_of,
+    straight_arm,
+)
+from ..provenance import setting
 from ..simulation.episode_plan import Plan
 from ..simulation.kinematics import Arm, through_places
 from .motions import between, minimum_jerk, posture, repeated, through
-from .task import SUSTAINED, Task, check_range
+from .task import LONGEST, SUSTAINED, Task
 
+BOX, CAPSULE = mjtGeom.mjGEOM_BOX, mjtGeom.mjGEOM_CAPSULE
+CYLINDER = mjtGeom.mjGEOM_CYLINDER
 # Points of the panel relative to the shoulder, forward, outward and up, in lengths of the straight
 # arm to its grip: two columns of four, which shoulder and elbow reach within their measured ranges.
 PANEL = np.array(
@@ -62,32 +75,22 @@ class ObjectRelocation(Task):
     """An object is taken from a low place, carried to a high one, and left there, again and again.
 
     Attributes:
-        load: Least and greatest mass of an object [kg]; each cycle has another one, of which the
-            exoskeleton does not know.
+        load: Least and greatest mass of an object [kg], drawn anew in each cycle; the exoskeleton
+            does not know the mass.
     """
 
-    load: tuple[float, float] = (1.0, 5.0)
+    load: tuple[float, float] = setting((1.0, 5.0), "kg", 0, LONGEST)
 
     source: ClassVar[str] = "LSDA 13587 (upper-body object relocation); 1 to 5 kg assumed"
     place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_range("the task's load", self.load, " kg")
-
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws two shelves, and the object in the hand while there is one."""
         draw_panel(spec, (LOW, HIGH))
         edge = BLOCK_SIZE
-        draw(
-            holder(spec),
-            mujoco.mjtGeom.mjGEOM_BOX,
-            "exo_accent",
-            pos=grip(spec).pos - np.array([0, 0, edge]),
-            size=[edge, edge, edge],
-            name=f"{CARRIED}_block",
-        )
+        place, name = grip(spec).pos - np.array([0, 0, edge]), f"{CARRIED}_block"
+        draw(holder(spec), BOX, "exo_accent", pos=place, size=[edge] * 3, name=name)
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns cycles of grasp, carry, release and return; arrivals are watched."""
@@ -108,21 +111,18 @@ class ObjectRelocation(Task):
 
 def draw_panel(spec: mujoco.MjSpec, points: Sequence[int]) -> None:
     """Draws an open frame in front of the right shoulder, with buttons at some of its points."""
-    torso, capsule = spec.body("torso"), mujoco.mjtGeom.mjGEOM_CAPSULE
+    torso = spec.body("torso")
     places = spec.body("shoulder").pos + straight_arm(spec) * PANEL * np.array([1, -1, 1])
     places = places + np.array([BEHIND, 0, 0])
     low, high = places.min(axis=0) - RIM, places.max(axis=0) + RIM
     x = places[0, 0]
     corners = [(low[1], low[2]), (high[1], low[2]), (high[1], high[2]), (low[1], high[2])]
     for (y, z), (next_y, next_z) in zip(corners, [*corners[1:], corners[0]], strict=True):
-        draw(torso, capsule, "bearing", size=[0.012, 0, 0], fromto=[x, y, z, x, next_y, next_z])
+        draw_bar(torso, CAPSULE, "bearing", 0.012, [x, y, z], [x, next_y, next_z])
     for point in points:
         y, z = places[point, 1:]
-        bar = [x, low[1], z, x, high[1], z]
-        draw(torso, capsule, "bearing", size=[0.005, 0, 0], fromto=bar)
-        button = [x - 0.018, y, z, x + 0.018, y, z]
-        cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
-        draw(torso, cylinder, "exo_accent", size=[0.02, 0, 0], fromto=button)
+        draw_bar(torso, CAPSULE, "bearing", 0.005, [x, low[1], z], [x, high[1], z])
+        draw_bar(torso, CYLINDER, "exo_accent", 0.02, [x - 0.018, y, z], [x + 0.018, y, z])
 
 
 REACH_PANEL = ReachPanel(
@@ -146,18 +146,14 @@ class Handrail(Task):
     """The hand pulls along a straight rail for two seconds, and reaches out again for two.
 
     Attributes:
-        pull: Least and greatest force along the rail [N]; each cycle has another one.
+        pull: Least and greatest force along the rail [N], drawn anew in each cycle.
     """
 
-    pull: tuple[float, float] = (30.0, 50.0)
+    pull: tuple[float, float] = setting((30.0, 50.0), "N", 0, LONGEST)
 
     source: ClassVar[str] = "BVAD (translation takes 12 to 34 % of suited time); forces assumed"
     place: ClassVar[str] = "microgravity"
     period: ClassVar[float | None] = 2 * GRIP
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_range("the task's pull", self.pull, " N")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Adds the motors of the pull, and draws the rail."""
@@ -165,13 +161,8 @@ class Handrail(Task):
         hand = spec.site("hand_grip").pos
         ends = [place_of(spec, angles[1:], hand) for angles in (FAR, NEAR)]
         beyond = 0.35 * (ends[0] - ends[1])
-        draw(
-            spec.body("torso"),
-            mujoco.mjtGeom.mjGEOM_CAPSULE,
-            "exo_accent",
-            size=[0.016, 0, 0],
-            fromto=[*(ends[0] + beyond), *(ends[1] - beyond)],
-        )
+        rail = ends[0] + beyond, ends[1] - beyond
+        draw_bar(spec.body("torso"), CAPSULE, "exo_accent", 0.016, *rail)
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns cycles of pull and reach; the path is watched while the hand pulls."""
@@ -188,7 +179,7 @@ class Handrail(Task):
 
 
 def _pulse(time: Array) -> Array:
-    """Returns a smooth rise to 1 and fall to 0 within the time that a hand holds."""
+    """Returns a smooth rise to 1 and fall to 0 within the grip of one hand."""
     rise = minimum_jerk(np.clip(time / RISE, 0, 1))[0]
     return rise - minimum_jerk(np.clip((time - GRIP + RISE) / RISE, 0, 1))[0]
 

@@ -18,11 +18,11 @@ from ..provenance import setting
 from ..simulation.episode_plan import Motion
 from .task import LONGEST, SHORTEST, Task
 
-MOTION = ".csv"  # how the names of files of motions end
+MOTION = ".csv"  # ending of the names of files of motions
 HEADER = ("time", *JOINTS)
 LARGEST_GAP = 3.0  # times the usual time between samples
 IN_DEGREES = "if these are degrees, give radians"
-LARGEST_STEP = 0.2  # s between samples, beyond which a motion is not known
+LARGEST_STEP = 0.2  # [s], greatest time between samples at which a motion is known
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +58,6 @@ class RecordedMotion(Task):
         """Returns the motion of the file; its last posture is kept to the end."""
         from scipy.interpolate import CubicSpline  # slow to import
 
-        del rng
         time, angle = self._recorded
         spline = CubicSpline(time - time[0], angle, bc_type="clamped")
         now = dt * np.arange(samples)

@@ -1,4 +1,4 @@
-"""What a task is: what the wearer intends, what loads the hand, and when it has gone well."""
+"""A task: the intention of the wearer, the loads on the hand, and the limits of success."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from ...checks import within
 from ...errors import InputError, shown
 from ..model.workplace import Edits
 from ..provenance import check_settings, setting
@@ -26,18 +25,13 @@ STEADY = 0.03  # [rad], error of a joint that moves the hand by 2 cm, as far as 
 
 @dataclass(frozen=True)
 class Limit:
-    """A limit of success.
+    """A limit of success."""
 
-    Attributes:
-        name: Name of a cost in `envs.interface.reward.COSTS`; or "lost", which is 1 if the arm is
-            lost, at a pole of the suit's torque, or diverged.
-        value: Greatest cost with which an episode succeeds.
-        unit: Unit of both, "1" for a ratio.
-    """
-
+    # Name of a cost in `envs.interface.reward.COSTS`; or "lost", which is 1 if the arm is lost, at
+    # a pole of the suit's torque, or diverged.
     name: str
-    value: float
-    unit: str
+    value: float  # greatest cost with which an episode succeeds
+    unit: str  # unit of both, "1" for a ratio
 
 
 TOLERANCES = {
@@ -73,10 +67,10 @@ class Task:
         hand_error: Largest distance of the hand from its place where the plan watches it, up to
             which an episode succeeds [m].
         tilt: Largest error of the hand's pitch there [rad].
-        slowness: Largest share there of its intended speed that the hand may lack.
+        slowness: Largest share of its intended speed that the hand may lack there.
         fatigue: Whether the wearer's muscles tire, unless the environment says otherwise.
         place: Place whose gravity acts, unless the environment says otherwise.
-        source: Where motion, loads and rule of success come from.
+        source: Source of motion, loads and rule of success.
         carries: Whether plans have a mass (of the class).
         period: Time of one cycle where the work is cyclic [s], which a controller may know.
     """
@@ -117,7 +111,7 @@ class Task:
         raise InputError(f"the task {self.name!r} has no motion: override motion or plan")
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns what an episode asks of the wearer; by default `motion` without a load.
+        """Returns the plan of an episode; by default `motion` without a load.
 
         Args:
             rng: Random generator of this episode's motion.
@@ -125,7 +119,6 @@ class Task:
             dt: Time between samples [s].
             arm: The wearer's arm, which knows where the hand is.
         """
-        del arm
         return Plan(self.motion(rng, samples, dt))
 
     @property
@@ -141,12 +134,12 @@ class Task:
 
     @property
     def about(self) -> str:
-        """What the wearer does, in words: the first sentences of the class."""
+        """Description of the motion: the first sentences of the class."""
         return " ".join((type(self).__doc__ or "").partition("\n\n")[0].split())
 
     @property
     def rule(self) -> str:
-        """What success means in this task, in words."""
+        """Description of success in this task."""
         parts = [f"each joint within {1000 * self.tracking:g} mrad"]
         for value, words in (
             (self.effort, f"effort at most {100 * self.effort:g} % of strength"),
@@ -160,7 +153,7 @@ class Task:
 
     @property
     def edits(self) -> Edits | None:
-        """What the task adds to a model; None for nothing."""
+        """Additions of the task to a model; None for no additions."""
         if type(self).edit is Task.edit:
             return None
         return Edits(
@@ -171,18 +164,3 @@ class Task:
         """Returns class and fields as plain values."""
         kind = type(self)
         return {"task_class": f"{kind.__module__}.{kind.__qualname__}", **asdict(self)}
-
-
-def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> None:
-    """Checks a pair of numbers."""
-    if not isinstance(given, list | tuple) or len(given) != 2:
-        raise InputError(f"{name} is {shown(given)}: give two numbers")
-    for value in given:
-        within(name, value, least, LONGEST, unit)
-
-
-def check_range(name: str, given: Any, unit: str) -> None:
-    """Checks a least and a greatest number of 0 or more."""
-    check_pair(name, given, unit, least=0.0)
-    if given[0] > given[1]:
-        raise InputError(f"{name} is {shown(given)}: give the smaller number first")

@@ -6,27 +6,32 @@ from typing import ClassVar
 
 import mujoco
 import numpy as np
+from mujoco import mjtGeom
 
 from ...arrays import Array
 from ...assets import JOINTS
 from ..model.config import HEAVIEST_PAYLOAD
-from ..model.workplace import CARRIED, add_reaction, draw, grip, holder, place_of
+from ..model.workplace import CARRIED, add_reaction, draw, draw_bar, grip, holder, place_of
 from ..provenance import setting
 from ..simulation.episode_plan import STRONGEST, Plan
 from ..simulation.kinematics import Arm
 from .motions import between, posture, ramped, repeated, through
-from .task import LOADED, SUSTAINED, Task, check_range
+from .task import LOADED, LONGEST, SUSTAINED, Task
 
+BOX, CAPSULE = mjtGeom.mjGEOM_BOX, mjtGeom.mjGEOM_CAPSULE
+CYLINDER, ELLIPSOID = mjtGeom.mjGEOM_CYLINDER, mjtGeom.mjGEOM_ELLIPSOID
 RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)
 BLOW, RAISING, PAUSE = 0.45, 0.6, 0.2  # s
 STEEPNESS = 1.6  # times the mean speed of the swing, at impact
 HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
 HEAD_SHARE = 0.77  # share of the mass; the rest is the handle
 STRIKING = 8  # bit of the contacts between hammer and anvil, which nothing else has
-LEAST_REBOUND = 0.15  # exp(-2) is that of a critically damped contact
-EARLY = 0.04  # s before the swing ends, when hand and speed are watched: the anvil comes sooner
+LEAST_REBOUND = 0.15  # a critically damped contact has exp(-2)
+EARLY = 0.04  # [s], hand and speed are watched so long before the swing ends, above the anvil
 ROUNDING = 1e-9  # s
-THROUGH = 0.03  # [m], depth of the swing's end below the anvil's surface, so that it strikes
+THROUGH = (
+    0.03  # [m], depth of the swing's end below the anvil's surface, so that the hammer strikes
+)
 CONTACT_TIME = 0.016  # [s], duration of the rebound; eight steps of the physics
 ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
 
@@ -49,37 +54,31 @@ class Hammer(Task):
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Puts a hammer in the hand, and an anvil where it strikes."""
-        at, sphere = grip(spec).pos, mujoco.mjtGeom.mjGEOM_SPHERE
+        at = grip(spec).pos
         head = at + np.array([HANDLE, 0, 0])
         hammer = holder(spec).add_body(name="hammer", pos=at)
         hammer.mass, hammer.explicitinertial = self.mass, True
         hammer.ipos, hammer.inertia = _inertia(self.mass)
         solid = hammer.add_geom(
-            name="hammer_head", type=sphere, size=[HEAD, 0, 0], pos=[HANDLE, 0, 0], mass=0, group=4
+            name="hammer_head", size=[HEAD, 0, 0], pos=[HANDLE, 0, 0], mass=0, group=4
         )
         solid.contype, solid.conaffinity = STRIKING, 0
-        cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
-        draw(hammer, cylinder, "rubber", size=[0.013, 0, 0], fromto=[-0.08, 0, 0, HANDLE, 0, 0])
-        ends = [HANDLE, 0, 0.05, HANDLE, 0, -HEAD]
-        draw(hammer, cylinder, "exo_steel", size=[0.026, 0, 0], fromto=ends)
+        draw_bar(hammer, CYLINDER, "rubber", 0.013, [-0.08, 0, 0], [HANDLE, 0, 0])
+        draw_bar(hammer, CYLINDER, "exo_steel", 0.026, [HANDLE, 0, 0.05], [HANDLE, 0, -HEAD])
         place, course = _strike(spec, head)
-        anvil = spec.body("torso").add_body(
-            name="anvil", pos=place + (HEAD + ANVIL_SIZE[2]) * course
-        )
+        surface = place + (HEAD + ANVIL_SIZE[2]) * course
+        anvil = spec.body("torso").add_body(name="anvil", pos=surface)
         anvil.alt.type = mujoco.mjtOrientation.mjORIENTATION_ZAXIS
         anvil.alt.zaxis = -course
-        box = mujoco.mjtGeom.mjGEOM_BOX
-        face = anvil.add_geom(name="anvil", type=box, size=ANVIL_SIZE, mass=0, group=4)
+        face = anvil.add_geom(name="anvil", type=BOX, size=ANVIL_SIZE, mass=0, group=4)
         face.contype, face.conaffinity, face.condim = 0, STRIKING, 1
         face.priority, face.solimp = 1, [0.99, 0.99, 0.001, 0.5, 2]
         face.solref = contact(self.rebound)
-        draw(anvil, box, "exo_steel", size=ANVIL_SIZE)
-        post = [0, 0, -ANVIL_SIZE[2], 0, 0, -0.3]
-        draw(anvil, cylinder, "exo_frame", size=[0.022, 0, 0], fromto=post)
+        draw(anvil, BOX, "exo_steel", size=ANVIL_SIZE)
+        draw_bar(anvil, CYLINDER, "exo_frame", 0.022, [0, 0, -ANVIL_SIZE[2]], [0, 0, -0.3])
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns swings down and back; the speed is watched where the hammer strikes."""
-        del arm
         raised = RAISED + np.array([0, *rng.uniform(-0.05, 0.05, 2), 0])
         period = BLOW + RAISING + PAUSE
         time = np.mod(dt * np.arange(samples) + ROUNDING, period)  # all blows are alike
@@ -101,8 +100,9 @@ class Hammer(Task):
 def contact(rebound: float) -> list[float]:
     """Returns MuJoCo's solref of a contact that leaves a share of the speed.
 
-    A damped oscillator pushes and cannot pull, and is left when its force ends: with the damping
-    sin(x), the share is exp(-(pi - 2 x) tan(x)) (Schwager and Pöschel 2007).
+    The contact is a damped oscillator that pushes and cannot pull, so that the hammer leaves when
+    the force ends. With the damping sin(x), the share is exp(-(pi - 2 x) tan(x)) (Schwager and
+    Pöschel 2007).
     """
     from scipy.optimize import root_scalar  # slow to import
 
@@ -125,7 +125,7 @@ def _inertia(mass: float) -> tuple[Array, Array]:
 
 
 def _strike(spec: mujoco.MjSpec, head: Array) -> tuple[Array, Array]:
-    """Returns where the hammer's head strikes in the frame of the torso [m], and its course."""
+    """Returns place [m] and direction of the hammer's blow in the frame of the torso."""
     step = 1e-6 * (IMPACT - RAISED)[1:]
     place = place_of(spec, IMPACT[1:], head)
     course = place - place_of(spec, IMPACT[1:] - step, head)
@@ -136,10 +136,10 @@ def _strike(spec: mujoco.MjSpec, head: Array) -> tuple[Array, Array]:
 def _swing(
     time: Array, duration: float, begin: tuple[Array, Array], end: tuple[Array, Array]
 ) -> Array:
-    """Returns the quintic from angles and rates to angles and rates, without acceleration there.
+    """Returns the quintic between two pairs of angles and rates, without acceleration at its ends.
 
-    `time` is that since the beginning [s], shape (samples,); the motion has the shape (3, samples,
-    4).
+    `time` is the time since the beginning [s], shape (samples,). The motion has the shape (3,
+    samples, 4).
     """
     s = (time / duration)[:, None]
     path = end[0] - begin[0]
@@ -188,26 +188,14 @@ class Ratchet(Task):
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Adds the reaction, and draws the wrench."""
         add_reaction(spec, "ratchet", self.reaction, DAMPING)
-        at = grip(spec).pos
-        body = holder(spec)
-        draw(
-            body,
-            mujoco.mjtGeom.mjGEOM_CAPSULE,
-            "exo_steel",
-            size=[0.011, 0, 0],
-            fromto=[*(at + np.array([0, 0.07, 0])), *(at + np.array([0, -0.23, 0]))],
-        )
-        draw(
-            body,
-            mujoco.mjtGeom.mjGEOM_CYLINDER,
-            "exo_accent",
-            size=[0.028, 0, 0],
-            fromto=[*(at + np.array([-0.02, -0.25, 0])), *(at + np.array([0.05, -0.25, 0]))],
-        )
+        at, body = grip(spec).pos, holder(spec)
+        handle = at + np.array([0, 0.07, 0]), at + np.array([0, -0.23, 0])
+        head = at + np.array([-0.02, -0.25, 0]), at + np.array([0.05, -0.25, 0])
+        draw_bar(body, CAPSULE, "exo_steel", 0.011, *handle)
+        draw_bar(body, CYLINDER, "exo_accent", 0.028, *head)
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns strokes that grow from rest; their ends are watched."""
-        del arm
         time = dt * np.arange(samples)
         speed = math.tau * FREQUENCY
         wave, rate = -np.cos(speed * time), speed * np.sin(speed * time)
@@ -235,42 +223,29 @@ class Scoop(Task):
     """The arm lifts a level scoop full of soil forward and lowers it empty, every three seconds.
 
     Attributes:
-        load: Least and greatest mass of the soil [kg]; each scoop has another one.
+        load: Least and greatest mass of the soil [kg], drawn anew for each scoop.
     """
 
-    load: tuple[float, float] = (2.0, 5.0)
+    load: tuple[float, float] = setting((2.0, 5.0), "kg", 0, LONGEST)
 
     source: ClassVar[str] = "sampling on Apollo and IST-2; 3 s and 2 to 5 kg assumed"
     place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
     period: ClassVar[float | None] = 2 * REST + LIFT + LOWER
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_range("the task's load", self.load, " kg")
-
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the scoop, and the soil while there is some."""
         at, body = grip(spec).pos, holder(spec)
-        box = mujoco.mjtGeom.mjGEOM_BOX
-        draw(
-            body, box, "exo_steel", pos=at + np.array([-0.03, 0, -0.12]), size=[0.003, 0.055, 0.08]
-        )
+        back = at + np.array([-0.03, 0, -0.12])
+        draw(body, BOX, "exo_steel", pos=back, size=[0.003, 0.055, 0.08])
         for across in (-0.055, 0.055):
             side = at + np.array([-0.015, across, -0.12])
-            draw(body, box, "exo_steel", pos=side, size=[0.018, 0.003, 0.08])
-        draw(
-            body,
-            mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-            "rubber",
-            pos=at + np.array([-0.015, 0, -0.125]),
-            size=[0.032, 0.048, 0.068],
-            name=f"{CARRIED}_soil",
-        )
+            draw(body, BOX, "exo_steel", pos=side, size=[0.018, 0.003, 0.08])
+        soil, size = at + np.array([-0.015, 0, -0.125]), [0.032, 0.048, 0.068]
+        draw(body, ELLIPSOID, "rubber", pos=soil, size=size, name=f"{CARRIED}_soil")
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns lifts and descents; place and tilt are watched while there is a load."""
-        del arm
         cycle = [(0.0, LOWERED), (REST, LOWERED), (REST + LIFT, LIFTED), (2 * REST + LIFT, LIFTED)]
         stops = repeated(cycle, 2 * REST + LIFT + LOWER, samples * dt)
         mass, time = np.zeros(samples), dt * np.arange(samples)
@@ -283,12 +258,12 @@ class Scoop(Task):
 
 
 SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, tracking=0.1, hand_error=0.1, tilt=0.2)
-"""Ten scoops; the hand tilts by at most 0.2 rad more or less than intended while it is loaded."""
+"""Ten scoops; the tilt of the loaded hand differs from the intended tilt by at most 0.2 rad."""
 
 
 SHOULDER = ((0.85, 0.95), (1.1, 1.2))  # [rad], of lower and of higher places, in turn
 ELBOW = (1.1, 1.3)  # rad
-STAY, MOVE = 6.0, 1.5  # s, at a place, and to the next one
+STAY, MOVE = 6.0, 1.5  # [s], time at a place, and from place to place
 SETTLING = 0.5  # [s], time at a place before the hand counts
 
 
@@ -310,17 +285,11 @@ class OverheadHold(Task):
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the tool."""
         at = grip(spec).pos
-        draw(
-            holder(spec),
-            mujoco.mjtGeom.mjGEOM_CAPSULE,
-            "exo_steel",
-            size=[0.02, 0, 0],
-            fromto=[*(at + np.array([-0.04, 0, 0])), *(at + np.array([0.14, 0, 0]))],
-        )
+        ends = at + np.array([-0.04, 0, 0]), at + np.array([0.14, 0, 0])
+        draw_bar(holder(spec), CAPSULE, "exo_steel", 0.02, *ends)
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns a lower and a higher place in turn; the hand is watched at each."""
-        del arm
         period, stops, windows = STAY + MOVE, [], []
         for i in range(int(samples * dt / period) + 2):
             place = posture(rng.uniform(*SHOULDER[i % 2]), rng.uniform(*ELBOW))

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from ...envs.rig import RigConfig, run_rig
-from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
+from ...envs.rig.rig import NOISE, RATE, SAMPLE_RATE
 from ...errors import InputError
 from ...identification import Curve, load_motion, save_curves
 from ...identification.figures import compared, loops_plot

@@ -22,7 +22,7 @@ SHORT = RandomMoves(name="Short", span={"elbow_flexion": (0.5, 1.2)}, duration=0
 OPTIONS = [
     ({"suit": "nun"}, "unknown suit 'nun'"),
     ({"gravty": "moon"}, "unknown option 'gravty'.*did you mean 'gravity'"),
-    ({"wearer": {"stature": 178}}, "stature is 178: use meters from 1.4 to 2.1"),
+    ({"wearer": {"stature": 178}}, "stature is 178: use a number from 1.4 to 2.1 m"),
     ({"control": {"nose": 1}}, "unknown field of control 'nose'.*did you mean 'noise'"),
     ({"control": {"delay": 0.015}}, "delay is 0.015 s: give it as a multiple of the control"),
     ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
@@ -47,7 +47,7 @@ OPTIONS = [
     ({"history": 0}, "history is 0: use a whole number from 1 to 1000"),
     ({"sensing": {"emg_noise": 2}}, "sensing.emg_noise is 2: use a number from 0 to 1"),
     ({"sensing": {"encoder_noise": 0.01}}, "sensing 'encoder_noise': .* 'exo.encoder_bits'"),
-    ({"belief": {}}, r"belief is \{\}, and sensors is \['encoders'\]: add 'belief' to them"),
+    ({"belief": {}}, r"belief is \{\}, and sensors is \['encoders'\]: add 'belief' to sensors"),
     ({"sensors": BELIEF, "belief": {"suite": 1}}, "unknown field of belief 'suite'"),
     ({"sensors": BELIEF, "belief": 3}, r"belief is 3: give ArmConfig\(...\) or a dict"),
     # What differs between episodes.
@@ -57,7 +57,7 @@ OPTIONS = [
     ({"randomize": {"size": 2}}, "unknown field of randomize 'size'"),
     ({"randomize": {"gravity": ["sun"]}}, "unknown place in randomize.gravity 'sun'"),
     ({"randomize": {"gravity": "moon"}}, "randomize.gravity is 'moon': give a list"),
-    ({"randomize": {"payload": 3}}, "randomize.payload is 3: give the least and the greatest"),
+    ({"randomize": {"payload": 3}}, "randomize.payload is 3: give two numbers"),
     ({"randomize": {"payload": [3, 1]}}, r"payload is \[3, 1\]: give the smaller number first"),
     ({"randomize": {"payload": [0, 99]}}, "payload is 99: use a number from 0 to 60 kg"),
     ({"randomize": {"pressure": "much"}}, "randomize.pressure is 'much'"),
@@ -128,7 +128,7 @@ def test_what_is_no_action_is_refused_and_changes_nothing(env):
 def test_resets_that_cannot_be_change_nothing(env, arms):
     env.reset(seed=0)
     state = env.get_state()
-    known = r"reset got the options .*: it knows none; leave"
+    known = r"reset got the options .*: there are no such options"
     junk = [(5, known), ({"seed": 1}, known), ({"x": [0] * 5000}, known), ({"mask": 1}, known)]
     assert_refused(lambda options: env.reset(seed=5, options=options), junk)
     again = env.get_state()
@@ -139,12 +139,15 @@ def test_resets_that_cannot_be_change_nothing(env, arms):
     learned = np.zeros((3, 11, 4))
     rows = [
         ([], r"the options \[\]: give a dict"),
-        ({"mask": None}, r"reset got the options \['mask'\]: it knows 'reset_mask'"),
+        ({"mask": None}, r"reset got the options \['mask'\]: use 'reset_mask'"),
         ({"reset_mask": [True] * 3}, "reset_mask is .*: give an array of 3 booleans"),
         ({"reset_mask": np.ones(2, bool)}, "reset_mask is .*: give an array of 3 booleans"),
         ({"reset_mask": np.zeros(3, bool)}, "reset_mask names no row: set at least one"),
         ({"learned_torque": learned[:, 1:]}, r"shape \(3, 10, 4\): .* \(3, 11, 4\)"),
-        ({"learned_torque": learned + np.nan}, "learned_torque has .*: give finite numbers"),
+        (
+            {"learned_torque": learned + np.nan},
+            "learned_torque is not finite at sample 0: give finite",
+        ),
     ]
     assert_refused(lambda options: arms.reset(seed=0, options=options), rows)
     other = ArmVectorEnv(3, SHORT)
@@ -153,8 +156,8 @@ def test_resets_that_cannot_be_change_nothing(env, arms):
     other.reset(seed=0)
     rows = [
         ([1, 2], "seed has 2 numbers: give one for each of 3 rows"),
-        (-1, "seed is -1: use 0 to"),
-        ("one", "seed is 'one': give a whole number"),
+        (-1, "seed is -1: use at least 0"),
+        ("one", "seed is 'one': use a whole number"),
         *((seed, "seed") for seed in (2**63 - 1, np.array(3), b"ab", [1, True, 2])),
     ]
     assert_refused(lambda seed: other.reset(seed=seed), rows)

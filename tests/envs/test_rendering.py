@@ -5,8 +5,8 @@ import gymnasium
 import mujoco
 import numpy as np
 import pytest
-from activesuit.envs.model import ArmConfig, compose
-from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+from activesuit.envs.model import ArmConfig
+from activesuit.envs.rendering import ArmRenderer, RenderingUnavailableError
 from helpers import assert_refused
 
 pytestmark = pytest.mark.render
@@ -56,16 +56,16 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
         raise RuntimeError("no display")
 
     monkeypatch.setattr(mujoco, "Renderer", fail)
-    monkeypatch.setattr(Renderer, "_unavailable", None)
-    model = compose(ArmConfig())
-    data, renderer = mujoco.MjData(model), Renderer(camera="front", width=64, height=48)
+    monkeypatch.setattr(ArmRenderer, "_unavailable", None)
+    renderer = ArmRenderer(ArmConfig(), None, "front", 64, 48)
+    posture = env.episodes.simulation.posture_of(0)
     # No second attempt: it could abort the process.
-    assert_refused(renderer.picture, [(model, data, "MUJOCO_GL=egl"), (model, data, "no display")])
+    assert_refused(renderer.picture, [(posture, "MUJOCO_GL=egl"), (posture, "no display")])
     renderer.close()
-    monkeypatch.setattr(Renderer, "_unavailable", None)
+    monkeypatch.setattr(ArmRenderer, "_unavailable", None)
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    assert_refused(renderer.show, [(model, data, 0.01, "rgb_array")])
+    assert_refused(renderer.show, [(posture, 0.01, "rgb_array")])
     message = "unknown camera 'top': use one of cuffs, elbow, follow"
     assert_refused(arm_env(camera="top").render, [(message,)])
 
@@ -77,7 +77,7 @@ def test_usual_pictures_have_neither_shadows_nor_samples():
     usual, fine = arm_env(**small), arm_env(**small, render_quality="fine")
     pictures = [arm.render().astype(int) for arm in (usual, fine)]
     assert np.abs(pictures[0] - pictures[1]).mean() > 0.1
-    contexts = [arm.renderer.renderer._offscreen._mjr_context for arm in (usual, fine)]
+    contexts = [arm.renderer._offscreen._mjr_context for arm in (usual, fine)]
     sizes = [(context.shadowSize, context.offSamples > 0) for context in contexts]
     assert sizes == [(0, False), (4096, True)]
     usual.close()

@@ -93,5 +93,7 @@ def test_attributes_and_methods_are_of_all_rows():
     with pytest.raises(InputError, match="set_attr got the indices 1"):
         ours.set_attr("remark", "there", 1)
     ours.set_options({"speed": 1})
-    with pytest.raises(InputError, match=r"reset got the options {'speed': 1}: it knows none"):
+    with pytest.raises(
+        InputError, match=r"reset got the options {'speed': 1}: there are no such options"
+    ):
         ours.reset()

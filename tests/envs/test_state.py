@@ -75,7 +75,7 @@ def test_state_of_another_environment_is_refused(saved):
         ({"control_dt": 0.02}, r"control_dt=0\.01.*control_dt=0\.02"),
         ({"task": "ElbowFlexion"}, r"task='ArmTracking'.*task='ElbowFlexion'"),
         ({"randomize": {"pressure": 0.1}}, r"randomize\.pressure=0\.0.*randomize\.pressure=0\.1"),
-        ({"fatigue": True}, r"with fatigue=False, and this one has fatigue=True"),
+        ({"fatigue": True}, r"with fatigue=False, and this environment has fatigue=True"),
     ]
     assert_refused(lambda options: ArmEnv(**options).set_state(saved), rows)
 
@@ -98,8 +98,8 @@ def spoiled(values, index=0, value=np.nan):
 
 
 JUNK = [
-    ("config", lambda old: None, "the state's config is None: give that of get_state"),
-    ("config", lambda old: {"task": 1}, r"the state's config is {'task': 1}: give that"),
+    ("config", lambda old: None, "the state's config is None: give the config of get_state"),
+    ("config", lambda old: {"task": 1}, r"the state's config is {'task': 1}: give the config"),
     ("physics", lambda old: old.tolist(), r"physics is \[.*float64 numbers of shape"),
     ("physics", lambda old: old[:, :-1], r"physics is array.*must be float64 numbers of shape"),
     ("physics", lambda old: spoiled(old, 1, np.inf), "must be float64 numbers"),

@@ -80,7 +80,7 @@ SIMULATE = {
     "--task Hamer": "unknown task 'Hamer'",
     "--task none.csv": "cannot read the motion 'none.csv'",
     "--level hard": "unknown level 'hard'",
-    "--wearer.stature 3": "stature is 3.0: use meters from 1.4 to 2.1",
+    "--wearer.stature 3": "stature is 3.0: use a number from 1.4 to 2.1 m",
     "--sensing.rate-cutoff -1": "sensing.rate_cutoff is -1",
     "--max-episode-steps 0": "max_episode_steps is 0",
     "--gravity weightless": "write 'microgravity' instead",

@@ -70,7 +70,7 @@ def test_what_cannot_be_is_refused_in_one_sentence():
         ({"exo": {"elbow": {"peak": 3}}}, "unknown field of exo.elbow 'peak': "),
         ({"exo": {"elbow": {"peak_torque": 5}}}, "motor's continuous_torque is 10.0: use at most"),
         ({"exo": {"elbow": {"viscous": 6}}}, "a motor's viscous friction is 6: .* less than 5"),
-        ({"exo": {"encoder_bits": 64}}, "exo.encoder_bits is 64: use 4 to 32"),
+        ({"exo": {"encoder_bits": 64}}, "exo.encoder_bits is 64: use at most 32"),
         ({"exo": {"ring": "0.4"}}, "exo.ring is '0.4': use a number"),
         ({"preconditioned": 1}, "preconditioned is 1: use True or False"),
     ]

@@ -116,7 +116,7 @@ def test_a_window_shows_them(monkeypatch):
     env.reset(seed=0)
     for _ in range(3):
         env.step(np.zeros(2))
-    shown = env.renderer.renderer._window.shown
+    shown = env.renderer._window.shown
     assert [len(one) > 0 for one in shown] == [False, False, False, True]
     expected = [(one.radius, *one.color) for one in env.renderer.beside()]
     np.testing.assert_allclose(shown[-1], expected, atol=1e-6)

@@ -62,12 +62,14 @@ def test_a_person_that_cannot_be_is_refused():
         ({"stature": 178}, r"^stature is 178: .*; 178 cm is 1.78 m$"),
         ({"stature": 5.8}, r"^stature is 5.8: .*; 5.8 ft is 1.77 m$"),
         ({"stature": float("nan")}, "^stature is nan: "),
-        ({"mass": 180}, "^mass is 180: use kilograms from 40 to 140$"),
-        ({"strength": 0}, "^strength is 0: use a percentile from 1 to 99$"),
+        ({"mass": 180}, "^mass is 180: use a number from 40 to 140 kg$"),
+        ({"strength": 0}, "^strength is 0: use a number from 1 to 99 .percentile.$"),
         ({"sex": "man"}, "^unknown sex 'man': use one of female, male"),
     ]
     assert_refused(lambda fields: Person(**fields), rows)
-    assert_refused(Person.percentile, [("male", 0.5, "^percentile is 0.5: use a percentile")])
+    assert_refused(
+        Person.percentile, [("male", 0.5, "^percentile is 0.5: use a number from 1 to 99")]
+    )
 
 
 def test_ranges_of_motion_are_the_published_ones():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import load_suit, suit_names
 from activesuit.envs.rig import RigConfig, run_rig
-from activesuit.envs.rig.config import NOISE
+from activesuit.envs.rig.rig import NOISE
 from activesuit.hysteresis import BoucWen, Preisach
 from activesuit.identification import (
     Curve,

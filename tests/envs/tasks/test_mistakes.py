@@ -103,7 +103,7 @@ def test_fields_of_tasks_are_checked():
         (lambda: moves(span={"elbow_flexion": 3}), "span of elbow_flexion is 3: give two numbers"),
         (lambda: moves(span=[]), r"the task's span is \[\]: give a dict of angles by joint"),
         (lambda: moves(hold={"elbow_flexion": (0, 1)}), "span and hold both have elbow_flexion"),
-        (lambda: moves(move_time=(2, 1)), "move_time is .*: give the shortest and the longest"),
+        (lambda: moves(move_time=(2, 1)), "move_time is .*: give the smaller number first"),
         (lambda: moves(name=""), "the task's name is '': give it one"),
     ]
     assert_refused(lambda make: make(), rows)

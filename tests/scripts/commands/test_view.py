@@ -3,24 +3,23 @@
 import itertools
 import sys
 
-import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.animation import LoopPanel
-from activesuit.envs.model import ArmConfig, compose
-from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+from activesuit.envs.arm_env import ArmEnv
+from activesuit.envs.rendering import RenderingUnavailableError
 from helpers import fails, run, shorten_tasks
 from matplotlib.image import imread
 
 
 @pytest.fixture(scope="module")
 def opengl():
-    renderer, model = Renderer(camera="front", width=16, height=16), compose(ArmConfig())
+    env = ArmEnv("ElbowFlexion", render_mode="rgb_array", width=16, height=16)
     try:
-        renderer.picture(model, mujoco.MjData(model))
+        env.render()
     except RenderingUnavailableError as error:
         pytest.skip(str(error))
-    renderer.close()
+    env.close()
 
 
 @pytest.mark.render
