@@ -14,9 +14,8 @@ ANGLE, DIRECTION, MEMORY = 0, 1, 2
 class Branches:
     """A resistance that depends on the angle and on the direction of motion alone.
 
-    A controller without memory can know no more: a straight spring, a spring with Coulomb friction,
-    or a polynomial for each branch of the loop. The torque jumps at a reversal, so that these
-    curves cannot simulate a suit.
+    Examples are a straight spring, a spring with Coulomb friction, and a polynomial for each branch
+    of the loop. The torque jumps at a reversal, so these curves cannot simulate a suit.
 
     Attributes:
         rising: Coefficients of the torque while the angle rises, constant first [N·m/rad^i].
@@ -40,7 +39,7 @@ class Branches:
         return np.array([self.start_angle, 1.0])
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves memories on, in place; see `HysteresisModel.advance`."""
+        """Moves memories; see `HysteresisModel.advance`."""
         way = np.sign(angle - memories[:, ANGLE])
         memories[:, DIRECTION] = np.where(way == 0, memories[:, DIRECTION], way)
         memories[:, ANGLE] = angle

@@ -1,7 +1,7 @@
 """Splits measured angle-torque records into branches, between the reversals of the angle.
 
-A record is two series in the order of measurement: angle [rad] and torque [N·m]. Time plays no
-part, but samples should follow each other evenly enough for the estimate of noise to make sense.
+A record is two series in the order of measurement: angle [rad] and torque [N·m]. No function uses
+the time, but the estimate of noise needs samples at about even times.
 """
 
 import math
@@ -26,7 +26,7 @@ class Branch:
     """The part of a record between two reversals; neighbors share the sample at the turn.
 
     Attributes:
-        direction: Sign of the motion: +1 for rising angles, -1 for falling ones.
+        direction: Sign of the motion: +1 for rising angles, -1 for falling angles.
         start: Index of the first sample in the record.
         stop: Index after the last sample, so that record[start:stop] is the branch.
         angle: Angles as measured [rad], shape (n,); jitter and dwell included.
@@ -78,8 +78,8 @@ def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.in
             takes `estimate_dead_band`.
 
     Returns:
-        Indices of the turning points, ascending. A dwell at an extreme gives its first sample. The
-        two ends of the record are not among them.
+        Ascending indices of the turning points, without the two ends of the record. A dwell at an
+        extreme gives the first sample of the dwell.
     """
     angle = _measured("angle", angle, "rad")
     turns, _ = _turning_points(angle, _dead_band(angle, dead_band))
@@ -96,9 +96,6 @@ def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None
 
     Returns:
         The branches in the order of measurement, with alternating directions.
-
-    Raises:
-        InputError: The series are not a record, or the angle never leaves the dead band.
     """
     angle, torque = finite_record(angle, torque)
     dead_band = _dead_band(angle, dead_band)
@@ -122,7 +119,7 @@ def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None
 
 
 def finite_record(angle: ArrayLike, torque: ArrayLike) -> tuple[Array, Array]:
-    """Returns both series as arrays, or raises an InputError that says what is wrong with them."""
+    """Returns both series as arrays of one size, at least 3."""
     angle, torque = _measured("angle", angle, "rad"), _measured("torque", torque, "N·m")
     if angle.size != torque.size:
         raise InputError(

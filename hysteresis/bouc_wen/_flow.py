@@ -96,7 +96,7 @@ def time_and_area(w, u, sigma, n):
 
 @njit(cache=True, error_model="numpy")
 def near_zero(w, u, x, sigma, direction, n):
-    """Solves `flow` as far as the series reaches; returns w, the rest of x, the integral."""
+    """Solves `flow` up to the end of the series; returns w, the rest of x, the integral."""
     time, area = time_and_area(w, u, sigma, n)
     target = time + direction * x
     if target <= 0:
