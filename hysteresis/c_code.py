@@ -170,8 +170,8 @@ def identifier(name: str) -> str:
     found = re.sub(r"[^A-Za-z0-9_]", "_", name)
     if not re.match("[A-Za-z]", found):
         raise InputError(
-            f"the name is {shown(name)}: begin it with a letter from a to z, since the names of "
-            "the C functions begin with it"
+            f"the name is {shown(name)}: begin the name with a letter from a to z, since the "
+            "names of the C functions begin so"
         )
     return found
 

@@ -52,7 +52,7 @@ class UncertifiedModelError(InputError):
 
 
 class PoleError(InputError):
-    """A motion met the pole, where dM/dtheta is infinite: the model has no torque beyond it."""
+    """A motion met the pole, where dM/dtheta is infinite and beyond which there is no torque."""
 
 
 def checked_range(angle_range: tuple[float, float]) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..errors import InputError
 from .protocol import finite_series
 
-NOISE_DEAD_BAND = 10.0  # standard deviations: 1 in 1e4 dwells of 1e4 Gaussian samples exceeds it
+NOISE_DEAD_BAND = 10.0  # standard deviations, which 1 in 1e4 dwells of 1e4 samples exceeds
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # share of the angle's range, for a few samples per branch
 LARGEST = 1e100  # largest measured number: squares and products stay finite
@@ -68,7 +68,7 @@ def estimate_dead_band(angle: ArrayLike) -> float:
 def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.intp]:
     """Finds the turning points of a noisy motion.
 
-    An extreme angle is a turning point once the motion has come back from it by more than the dead
+    An extreme angle is a turning point if the motion comes back from there by more than the dead
     band. If the noise stays within half the dead band, and each true swing is larger than twice the
     dead band, then exactly the true reversals are found.
 

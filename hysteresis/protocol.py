@@ -48,7 +48,7 @@ SCALINGS: Mapping[str, Callable[[float, float, float], float]] = {
 }
 """Parameters of models whose torques and angles are so many times as large, by unit."""
 LOSS = 2  # place in a memory, after angle and torque
-SURELY = 1 - 1e-9  # share of the memory bound at which rounding does not pass it
+SURELY = 1 - 1e-9  # share of the memory bound that rounding does not lift above the bound
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
 
 
@@ -131,9 +131,9 @@ class Energy(NamedTuple):
 class HysteresisModel(ABC):
     """Resistance [N·m] of a joint that depends on the order of its angles [rad], not on time.
 
-    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. It names a module of
-    kernels, plain numba functions over a parameter vector p and a memory s = [angle, torque, loss,
-    ...], from which this class derives all methods but `certificate`:
+    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. The class names a module
+    of kernels, plain numba functions over a parameter vector p and a memory s = [angle, torque,
+    loss, ...], from which this class derives all methods but `certificate`:
 
         complaint(values, ends)                 (0, 0), or the number of a complaint about the
                                                 values of all keys, end to end, and the number of
@@ -201,7 +201,7 @@ class HysteresisModel(ABC):
         return int(self.kernels.memory_size.py_func(self._size(ends)))
 
     def _values(self, config: Mapping[str, Any]) -> tuple[Array, NDArray[np.int64]]:
-        """Returns the values of all keys, end to end, and where those of each key end."""
+        """Returns the values of all keys, end to end, and the end of each key's values."""
         parts = [
             np.atleast_1d(key.words.index(config[key.name]) if key.words else config[key.name])
             for key in self.config_keys
@@ -214,7 +214,7 @@ class HysteresisModel(ABC):
 
     @abstractmethod
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Proves what can be proved for any motion whose angles [rad] stay in a range."""
+        """Proves limits of any motion whose angles [rad] stay in a range."""
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> Self:
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
@@ -229,7 +229,7 @@ class HysteresisModel(ABC):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit of the model chooses: all but those that are `not_fitted`."""
+        """How many numbers a fit of the model chooses: all but the `not_fitted` numbers."""
         given = self._given().items()
         return sum(_count(value) for name, value in given if name not in self.not_fitted)
 
@@ -449,7 +449,7 @@ class HysteresisModel(ABC):
         if certificate.certified:
             why = (
                 "the motion began outside the model's certificate, further than "
-                f"{certificate.memory_bound:.3g} N·m from the torque at rest: start nearer to it"
+                f"{certificate.memory_bound:.3g} N·m from the torque at rest: start nearer to that"
             )
         else:
             why = (
@@ -543,30 +543,24 @@ def find_angle(model: HysteresisModel, state: State, target: float, what: str) -
     missing = target - state.torque
     if missing == 0:
         return state.angle
-    direction = math.copysign(1.0, missing)
+    here, direction = state.angle, math.copysign(1.0, missing)
     if model.tangent(state, direction) < 0:
         direction = -direction
-    # Bracket the root: increase the distance until the torque has passed the target.
-    here, reach = state.angle, FIRST_REACH
-    near, far = 0.0, math.nan
-    while reach <= FARTHEST:
-        try:
-            _, torque = model.step(state, here + direction * reach)
-        except PoleError:
-            break
-        if (torque - target) * missing >= 0:
-            far = reach
-            break
-        near, reach = reach, 1.5 * reach
-    if math.isnan(far):
-        raise InputError(
-            f"{what} is {target:.6g} N·m: no motion from {here:.6g} rad, {state.torque:.6g} N·m "
-            "reaches it; keep torques within the model's torque bound"
-        )
 
     def excess(distance: float) -> float:
         return model.step(state, here + direction * distance)[1] - target if distance else -missing
 
+    near, far = 0.0, FIRST_REACH
+    try:  # the distance grows until the torque has passed the target
+        while far <= FARTHEST and excess(far) * missing < 0:
+            near, far = far, 1.5 * far
+    except PoleError:
+        far = math.inf
+    if far > FARTHEST:
+        raise InputError(
+            f"{what} is {target:.6g} N·m: no motion from {here:.6g} rad, {state.torque:.6g} N·m "
+            "reaches it; keep torques within the model's torque bound"
+        )
     root: Any = brentq(excess, near, far, xtol=1e-14, rtol=np.float64(1e-14))
     return here + direction * float(root)
 

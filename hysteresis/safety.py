@@ -29,6 +29,6 @@ def require_certificate(model: HysteresisModel, start: State, joint: str) -> Non
         raise UncertifiedModelError(
             f"the start of joint {joint!r} at {start.angle:.4g} rad, {start.torque:.4g} N·m lies "
             f"outside the certificate, within {certificate.memory_bound:.3g} N·m of the torque at "
-            "rest: start nearer to it, or allow_uncertified=True",
+            "rest: start nearer to that torque, or allow_uncertified=True",
             margin=certificate.margin,
         )

@@ -65,7 +65,7 @@ def steady_cycle(
     start_angle: float | None = None,
     start_torque: float = 0.0,
 ) -> SteadyCycle:
-    """Follows a model through cycles between two angles until one repeats the previous one.
+    """Follows a model through cycles between two angles until a cycle repeats the previous cycle.
 
     Two cycles are the same where their torques differ by less than 1e-6 of the torque's range.
 

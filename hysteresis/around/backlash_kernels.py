@@ -86,8 +86,8 @@ def opening(kernels, p, s, polynomial, limits, near, torque, far):
 def end_at(kernels, p, s, polynomial, limits, play, angle):
     """Returns the angle of the suit's side after a monotone motion of the joint to `angle`.
 
-    The function changes no state. Numba compiles it once for each module of kernels: inlined in
-    all callbacks of the engine, it would double their compile time. A function made for each module
+    The function changes no state. Numba compiles one version for each module of kernels: inlining
+    in all callbacks of the engine would double their compile time. A function made for each module
     would be new to numba in every process, and would keep numba from caching the callers on disk.
     """
     here, half = play[END], play[GAP] / 2

@@ -50,7 +50,7 @@ class Wrapper(HysteresisModel):
 
     @property
     def given(self) -> list[float]:
-        """The numbers that a user gives, those of all parameters end to end."""
+        """The numbers of all parameters, end to end."""
         return np.concatenate([np.ravel(getattr(self, name)) for name in self.units]).tolist()
 
     @property
@@ -79,7 +79,7 @@ class Wrapper(HysteresisModel):
         return Path(str(sys.modules[type(self).__module__].__file__)).with_name(f"{self.name}.c")
 
     def _check_inside(self, *allowed: type["Wrapper"], words: str) -> None:
-        """Checks that the model inside is a bare one, or one of some wrappers."""
+        """Checks that the inner model is bare, or one of the allowed wrappers."""
         refused = isinstance(self.model, Wrapper) and not isinstance(self.model, allowed)
         if not isinstance(self.model, HysteresisModel) or refused:
             raise InputError(f"model is {shown(self.model)}: give one {words}")
@@ -124,7 +124,7 @@ class Wrapper(HysteresisModel):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit chooses: those of the inner model, and those around it."""
+        """How many numbers of the inner model and of this class a fit chooses."""
         return self.model.free_parameters + super().free_parameters
 
     def to_dict(self) -> dict[str, Any]:
@@ -215,7 +215,7 @@ class Asymmetric(Wrapper):
     """A model plus a history-independent torque: T = model(theta) + sum p_i theta^i.
 
     Measured loops of suit joints are not symmetric (Li et al. 2022, section 5.2), but the loops of
-    most models are. The polynomial bends the loop and leaves the dissipated energy as it is,
+    most models are. The polynomial bends the loop but does not change the dissipated energy,
     because the work of the polynomial depends on the first and last angle only.
 
     Attributes:
@@ -298,7 +298,7 @@ class Backlash(Wrapper):
     theta - gap/2 <= y <= theta + gap/2. The torque is T = model(y), and contact can only push:
     T > 0 where y = theta - gap/2, T < 0 where y = theta + gap/2, and T = 0 in between. So contact
     opens where the torque has fallen to zero, the suit's side rests there, and the joint moves
-    freely until it meets the other face. This is the play of a transmission that carries contact
+    freely until contact on the other face. This is the play of a transmission that carries contact
     forces only (Nordin and Gutman 2002, Automatica 38, with a hysteresis model in place of the
     shaft).
 
@@ -330,7 +330,7 @@ class Backlash(Wrapper):
         self._check_inside(Asymmetric, Clipped, words=f"{words} it")
         gap = number("gap", self.gap, "rad")
         if gap <= 0:
-            raise InputError(f"gap is {gap:g} rad: give an angle above 0, or the model without it")
+            raise InputError(f"gap is {gap:g} rad: give an angle above 0, or the inner model alone")
         object.__setattr__(self, "gap", gap)
 
     @property
@@ -345,7 +345,7 @@ class Backlash(Wrapper):
         return around.polynomial, around.angle_range
 
     def _begin(self, angle: float, torque: float) -> Array:
-        """Begins in contact at a resistance [N·m]; without one in the middle of the gap."""
+        """Begins in contact, or without torque in the middle of the gap; returns the memory."""
         end = backlash.begun(self.gap, angle, torque)
         return np.append(self.model._begin(end, torque), end)
 
@@ -373,7 +373,7 @@ class Backlash(Wrapper):
     _inner = suit_state
 
     def tangent(self, state: State, direction: float) -> float:
-        """Returns the stiffness [N·m/rad] with which a motion goes on; 0 where it is free."""
+        """Returns the stiffness [N·m/rad] with which a motion goes on; 0 inside the gap."""
         end, delta = state.memory[-1], math.copysign(1.0, direction)
         if backlash.is_free(state.torque, np.array([self.gap, end]), end, state.angle, delta):
             return 0.0
@@ -494,7 +494,7 @@ class Viscoelastic(Wrapper):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit chooses: those of the model, and those that are not 0 here."""
+        """How many numbers a fit chooses: those of the inner model, and all here that are not 0."""
         maxwell = 2 if self.relaxation_stiffness > 0 else 0
         return self.model.free_parameters + (self.damping > 0) + maxwell
 

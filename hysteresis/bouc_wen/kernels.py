@@ -42,7 +42,7 @@ def move(p, s, angle):
     n, A = p[POWER], p[SLOPE]
     y = delta * s[Z]
     loss = 0.0
-    # A motion against z unloads first; `rest` is the part of it that is left at z = 0.
+    # A motion against z unloads first; `rest` is the part of the motion that is left at z = 0.
     if y < 0:
         Y, sigma = p[UNLOADING_SCALE], p[UNLOADING_SIGN]
         w, rest, area = flow(-y / Y, tau * A / Y, sigma, -1.0, n)

@@ -125,7 +125,7 @@ class Duhem(Semilinear):
         limit_down: float,
         spring: Numbers = (0.0,),
     ) -> "Duhem":
-        """Returns the model of a torque that approaches one limit upwards and another downwards.
+        """Returns the model of a torque with one limit upwards and another limit downwards.
 
             T = p(theta) + y,    dy = rate_up (limit_up - y) dtheta       upwards
                                  dy = rate_down (y - limit_down) dtheta   downwards
@@ -147,8 +147,8 @@ class Duhem(Semilinear):
         width = number("limit_up", limit_up, "N·m") - number("limit_down", limit_down, "N·m")
         if not width > 0:
             raise InputError(
-                f"limit_down is {limit_down} N·m: it must be below limit_up, which is {limit_up}, "
-                "or the model would drive the joint"
+                f"limit_down is {limit_down} N·m: give a limit below limit_up, which is "
+                f"{limit_up}, or the model would drive the joint"
             )
         up = rate_down / (rate_up + rate_down) * width
         constant, *bend = coefficients("spring", spring)

@@ -1,4 +1,4 @@
-"""Attaches a hysteresis model to a joint of any MuJoCo model, and replaces it there."""
+"""Attaches hysteresis models to joints of any MuJoCo model, and replaces attached models."""
 
 import math
 import re
@@ -52,10 +52,10 @@ def attach(
     """Makes `joint` resist its motion with the hysteretic torque of `model`.
 
     The torque acts as a generalized force (in `qfrc_passive`) at every physics step, under every
-    integrator. A reset starts the memory at (start_angle, start_torque) and moves it through
-    `start_path`, as `HysteresisModel.response` would. A keyframe or a written `qpos` acts like one
-    monotone motion from there, but the memory follows only at the end of a step: if that step turns
-    back, the written position does not count as a turning point.
+    integrator. A reset starts the memory at (start_angle, start_torque) and moves the memory
+    through `start_path`, as `HysteresisModel.response` would. A keyframe or a written `qpos` acts
+    like one monotone motion from there, but the memory follows only at the end of a step: if that
+    step turns back, the written position does not count as a turning point.
 
     `sensors` adds three sensors: `<joint>_suit_torque`, the torque that acts on the joint [N·m];
     `<joint>_suit_stiffness`, dM/dtheta in the current direction of motion [N·m/rad]; and
@@ -325,8 +325,8 @@ def _require_model(model: object) -> None:
     bare = parts(model).bare if isinstance(model, HysteresisModel) else None
     if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
-            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
-            "one that was registered with register_model"
+            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or a "
+            "model of a class that register_model has registered"
         )
 
 

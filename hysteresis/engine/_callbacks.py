@@ -203,7 +203,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         if fault[0] != 0 or not math.isfinite(angle):
             return
         if angle != memory[0]:
-            # At a pole the torque stays as it was, and the flag is set until a reset.
+            # At a pole the torque stays constant, and the flag is set until a reset.
             if not kernels.is_sound(p) or math.isnan(kernels.commit(p, memory, angle)):
                 fault[0] = 1.0
                 complain_of(kernels, words, m, instance, (POLE, JOINT), at)

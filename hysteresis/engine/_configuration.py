@@ -27,8 +27,8 @@ from ..polynomial import value_of
 from . import native
 
 FAULT, MEMORY = 0, 1
-OFF = 2.0  # flag of an instance that is taken off: it gives no torque
-POLYNOMIAL_LIMIT = 6  # number of coefficients, those of angle^0 to angle^5
+OFF = 2.0  # flag of an instance that is taken off and gives no torque
+POLYNOMIAL_LIMIT = 6  # number of coefficients, of angle^0 to angle^5
 
 # A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits), whether the
 # torque is constant outside a range, whether there is a viscoelastic part and whether there is play
@@ -112,8 +112,8 @@ SENTENCES = (  # order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
     b"after a spec got its name prefix",
-    b"it is not a hinge or a slide joint; name one",
-    b"another instance resists it already; give each joint one, and take the others off",
+    b"the joint is not a hinge or a slide joint; name a hinge or a slide",
+    b"another instance resists the joint already; give each joint one, and take the others off",
     b"give one number, 0 or 1e-100 to 1e100 in size",
     b"give numbers, 0 or 1e-100 to 1e100 in size, with blanks between them",
     b"use ",
@@ -125,13 +125,13 @@ SENTENCES = (  # order of the names above
     b"use true or false",
     b"its parameters have no certificate (a motion could meet infinite torque, or "
     b"gain energy); set allow_uncertified to true to run anyway",
-    b"it starts too far from rest for the certificate; change start_angle or start_torque",
-    b"it cannot have start_torque at start_angle; start nearer to 0",
+    b"the model starts too far from rest for the certificate; change start_angle or start_torque",
+    b"the model cannot have start_torque at start_angle; start nearer to 0",
     b"its torque becomes infinite on the way; stay nearer to the start",
     b"the name of each of its sensors must end in torque, stiffness or energy, "
-    b"which is what it measures",
+    b"which is the measured quantity",
     b"two of its sensors measure the same; leave one out",
-    b"the model has more than 16383 joints or sensors; make it smaller",
+    b"the model has more than 16383 joints or sensors; make the model smaller",
     b"its torque met a pole (or the parameters in its state are out of range); the torque stays "
     b"at its last valid value, and the fault flag is set",
 )

@@ -86,7 +86,7 @@ def struct(name: str) -> type[ctypes.Structure]:
 
 @cache
 def _offset(name: str) -> int:
-    """Returns the byte offset of a field, compared with where a real model and its data have it."""
+    """Returns the byte offset of a field, checked against a real model and its data."""
     outer, *inner = name[2:].split("__")
     try:
         field = getattr(struct("mjModel" if name[0] == "m" else "mjData"), outer)

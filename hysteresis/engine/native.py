@@ -202,7 +202,7 @@ def behind_number(text):
 def to_number(text, end):
     """Returns the decimal number between two addresses, rounded as Python rounds it.
 
-    C's strtod does that, but it expects the decimal point of the process's locale.
+    C's strtod rounds so, but expects the decimal point of the process's locale.
     """
     point = pointer_at(localeconv())
     copy = np.zeros(end - text + length(point) + 1, np.uint8)
@@ -216,7 +216,7 @@ def to_number(text, end):
             copy[n] = character_at(i)
             n += 1
     value = strtod(copy.ctypes.data, 0)
-    return value if copy[n] == 0 else math.nan  # reading the copy last keeps it alive till then
+    return value if copy[n] == 0 else math.nan  # this use keeps the copy alive during `strtod`
 
 
 @inner
@@ -280,7 +280,7 @@ def add(sentence, n, words):
 def issue(sentence):
     """Issues a sentence as a MuJoCo warning."""
     warn(sentence.ctypes.data)
-    return sentence[0]  # the reference keeps it alive till here
+    return sentence[0]  # this use keeps the sentence alive during `warn`
 
 
 @inner
@@ -486,8 +486,8 @@ SIGNATURES = {
     "compute": types.void(_POINTER, _POINTER, _INT, _INT),
     "advance": types.void(_POINTER, _POINTER, _INT),
 }
-# MuJoCo calls one of these before any other: the first two when it compiles a model, the last one
-# when it makes an mjData.
+# MuJoCo calls one of these callbacks first: `nstate` or `nsensordata` when a model is compiled, and
+# `init` when an mjData is made.
 FIRST = {
     "nstate": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int),
     "nsensordata": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int, ctypes.c_int),
@@ -495,7 +495,9 @@ FIRST = {
 }
 
 _lock = threading.RLock()
-_plugins: dict[str, "_Registered"] = {}  # C points into it as long as the process lives
+_plugins: dict[
+    str, "_Registered"
+] = {}  # C has pointers into these objects as long as the process lives
 
 
 def callback(function: Callable[..., Any]) -> Any:
@@ -523,12 +525,12 @@ def register_plugin(
 
     Args:
         name: Unique name of the plugin, which MJCF refers to.
-        keys: Names of its config keys, in the order in which `config` counts them.
+        keys: Names of the config keys, in the order in which `config` counts keys.
         build: Function that compiles and returns the callbacks; it is called when the plugin is
             first needed.
         stage: Stage whose results the sensors need, as `STAGE_VEL` for velocities.
-        sensors: Whether it has sensors too. MuJoCo then calls `nsensordata`, and `compute` with
-            mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
+        sensors: Whether the plugin has sensors too. MuJoCo then calls `nsensordata`, and `compute`
+            with mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
 
     Returns:
         The slot of the plugin, its number in `mjModel.plugin`.

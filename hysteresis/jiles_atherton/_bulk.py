@@ -88,7 +88,7 @@ def short_decay_weights(z: float) -> tuple[float, float, float, float]:
         fma(z2, fma(-z, P7, P6), fma(-z, P5, P4)),
         fma(z2, fma(-z, P3, P2), fma(-z, P1, P0)),
     )
-    # Down from phi_3 each line shrinks the error by z; up from exp(-z) it would grow by 1 / z.
+    # Down from phi_3 each line multiplies the error by z; up from exp(-z) by 1 / z.
     phi2 = fma(-z, phi3, 0.5)
     phi1 = fma(-z, phi2, 1.0)
     return fma(-z, phi1, 1.0), phi1, phi2, phi3
@@ -220,7 +220,7 @@ def advance(H0, H1, at, law):
         man1, slope1 = law.Ms * L, chi * dL
         u1 = step_field(dx, at.u, at.man, at.slope, man1, slope1, law.c, per_k)
         left1 = H1 - (at.x + dx - law.alpha * (man1 + u1))
-        if delta * left1 <= 0:  # the step passes H1: `land` shortens it
+        if delta * left1 <= 0:  # the step passes H1, and `land` shortens the step
             break
         at, left = Point(at.x + dx, u1, man1, slope1, chi * law.per_a * ddL), left1
     else:

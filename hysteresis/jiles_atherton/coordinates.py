@@ -98,9 +98,12 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
 
     def residual(point: Array) -> Array:
         change = (_torque(_at(point, model), angle) - wanted) / (scale * np.sqrt(angle.size))
-        return np.concatenate([change, TIE_BREAK * (_folds(point) - _folds(start))])
+        moved = point - start
+        moved[LOG_REACH] = (point[LOG_REACH] - point[LOG_EXCESS]) - log_k
+        return np.concatenate([change, TIE_BREAK * moved])
 
     start, low, high = _box(model)
+    log_k = start[LOG_REACH] - start[LOG_EXCESS]
     fit = least_squares(residual, start, bounds=(low, high), x_scale="jac", max_nfev=100)
     return Nearest(_at(fit.x, model), float(np.linalg.norm(fit.fun[: angle.size])))
 
@@ -117,13 +120,6 @@ def _box(model: JilesAtherton) -> tuple[Array, Array, Array]:
     start[STEEPNESS] = np.clip(steepness, least + 2 * MARGIN, most - 2 * MARGIN)
     low[LOG_EXCESS] = np.log(LEAST_EXCESS) - 1e-9
     return start, low, high
-
-
-def _folds(point: Array) -> Array:
-    """Returns the point with log k in place of log(k (c-1))."""
-    folds = point.copy()
-    folds[LOG_REACH] -= folds[LOG_EXCESS]
-    return folds
 
 
 def _at(point: Array, model: JilesAtherton) -> JilesAtherton:

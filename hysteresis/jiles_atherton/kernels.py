@@ -21,7 +21,7 @@ PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
 DEGREE = math.pi / 180
-SMALLEST = 1e-100  # least Ms, a and k; beyond it and its inverse the steps lose their digits
+SMALLEST = 1e-100  # least Ms, a and k; below, or above 1e100, the steps lose their digits
 FINE, POSITIVE, EXTREME, AT_LEAST_0 = range(4)
 COMPLAINTS = (
     b"",
@@ -142,7 +142,7 @@ def stored(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def dissipated(p, s, angle, torque, loss):
-    """Returns the dissipated energy: the loss less what a motion could still get back."""
+    """Returns the dissipated energy: the loss less the part that a motion could still get back."""
     return s[LOSS] + loss - recoverable(p, angle, torque)
 
 
@@ -326,7 +326,7 @@ def carry(p, s, end, before, after):
 
 @njit(inline="always", error_model="numpy")
 def weights_and_derivatives(z):
-    """Returns `decay_weights` and their derivatives d/dz: of phi_j it is j phi_(j+1) - phi_j."""
+    """Returns `decay_weights` and their derivatives, as d phi_j / dz = j phi_(j+1) - phi_j."""
     decay, phi1, phi2, phi3 = bulk.decay_weights(z)
     phi4 = (1 / 6 - phi3) / z
     if z < 1:  # the closed form loses digits here; sum over j of (-z)^j / (j + 4)!

@@ -43,7 +43,7 @@ def margin_everywhere(Ms, a, alpha, c, k):
 def margin_in_range(low, high, Ms, a, alpha, c, k):
     """Returns (margin, B, largest |u|) for angles between low and high.
 
-    B is the largest |u| of a start; it covers every start without torque.
+    B is the largest |u| of a start, and covers every start without torque.
     """
     if c < 1 or alpha * Ms >= 3 * a:  # the latter: several fields belong to one angle and lag
         margin, bound = margin_everywhere(Ms, a, alpha, c, k)

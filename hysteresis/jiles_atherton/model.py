@@ -46,8 +46,8 @@ class JilesAtherton(HysteresisModel):
             methods take are in radians in either case.
         form: Equation of the model: `bulk`, `original` (Jiles and Atherton 1986), `derivative`
             (with dMan/dHe for dMan/dH) or `jiles-1992`; all but `bulk` drive the joint.
-        clamp: Rule that stops the irreversible part while it points against the motion: `none`,
-            `jiles` (by the sign of Man - M) or `irreversible` (by its own sign, right for c > 1).
+        clamp: Rule that stops the irreversible part against the motion: `none`, `jiles` (by the
+            sign of Man - M) or `irreversible` (by the sign of that part, right for c > 1).
         allow_active: Whether to accept a model that feeds energy into the joint.
     """
 
@@ -76,13 +76,13 @@ class JilesAtherton(HysteresisModel):
             return
         if self.form != "bulk":
             raise InputError(
-                f"form is {self.form!r}: it feeds energy into the joint whatever its parameters; "
-                "use 'bulk' with c >= 1, or allow_active=True if that is what you want"
+                f"form is {self.form!r}: this form feeds energy into the joint with any "
+                "parameters; use 'bulk' with c >= 1, or allow_active=True to accept that"
             )
         if self.c < 1:
             raise InputError(
                 f"parameter c is {self.c}: below 1 the model feeds energy into the joint; use "
-                "c >= 1, or allow_active=True if that is what you want"
+                "c >= 1, or allow_active=True to accept that"
             )
 
     @property

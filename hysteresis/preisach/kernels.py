@@ -24,7 +24,7 @@ import math
 import numpy as np
 from numba import njit
 
-HEADER, SEGMENT, CELL = 3, 7, 8  # numbers in p: first ones, of a segment, of a cell
+HEADER, SEGMENT, CELL = 3, 7, 8  # how many numbers p has first, for a segment, for a cell
 CAPACITY = 64  # even: branch 64 rises, so that `walk` checks only whether a fall passes its base
 FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
 COMPLAINTS = (
@@ -163,7 +163,7 @@ def swept(p, x, y):
     i, j = segment(p, x), segment(p, y)
     a, c = HEADER + SEGMENT * i, HEADER + SEGMENT * j
     if i <= j:
-        # One triangle on the diagonal: the mean of (up - down) / 2 over it is a sixth of its side.
+        # In one triangle on the diagonal the mean of (up - down) / 2 is a sixth of the side.
         u = (x - y) * p[a + PER_WIDTH]
         weight = p[a + DIAGONAL] * u * u
         return weight, weight * (x - y) / 6
@@ -231,7 +231,7 @@ def walk(p, s, angle):
     rises = angle > s[0]
     base, relays, on_branch = s[RECORDS + 2 * k], s[RECORDS + 2 * k + 1], s[BRANCH_LOSS]
     if rises != (k % 2 == 0):
-        # The motion turns: it opens a branch, or goes back along the last one if the stack is full.
+        # The motion turns and opens a branch, or goes back along the last branch of a full stack.
         if k < CAPACITY:
             k, base, relays, on_branch = k + 1, clipped(p, s[0]), s[RELAYS], 0.0
         elif x > base:

@@ -1,4 +1,4 @@
-"""Kernels of hinged stops: those of stops, and a hinge function of their sum.
+"""Kernels of hinged stops: the kernels of stops, and a hinge function of the sum of stops.
 
     P = K (theta - rest) + sum w_i E_i,   T = offset + h(P)
 

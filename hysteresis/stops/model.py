@@ -97,7 +97,7 @@ class PrandtlIshlinskii(Stops):
         return read_only(self.stiffness + (steps if self.operator == "play" else steps[-1] - steps))
 
     def config(self) -> dict[str, Any]:
-        """Returns the parameters as MJCF has them: those of stops, whatever the operator."""
+        """Returns the parameters as MJCF has them, of the stop form for both operators."""
         sign = 1 if self.operator == "stop" else -1
         weights = (sign * self._arrays[1]).tolist()
         return super().config() | {"stiffness": float(self.loading_slopes[-1]), "weights": weights}

@@ -138,7 +138,7 @@ def _numbers(
         if state.memory.size != model.memory_size:
             raise InputError(
                 f"the start of world {world} at joint {joint!r} has {state.memory.size} numbers, "
-                f"and its model {model.memory_size}: make it by that model's own start"
+                f"and its model {model.memory_size}: make the start by that model's own `start`"
             )
         rows.append(row_of(model, state))
         if _layout(model) != _layout(models[0]) or len(rows[world]) != len(rows[0]):

@@ -93,7 +93,7 @@ class Source:
 def source_of(model: HysteresisModel) -> Source:
     """Returns the code of a model."""
     header = _Members("as")
-    # Zeros at the end of a memory get no table: with ones, its table has room for any memory.
+    # A table leaves out zeros at the end: a memory of ones gives a table with room for any memory.
     ones = np.ones(model.memory_size)
     state = header.model("as_joint", model, State(ones, 1.0, 1.0))
     places = np.cumsum([0, *header.sizes])

@@ -47,7 +47,7 @@ class Hysteresis:
         joints: Names of the joints, which are the columns of the arrays.
         torque: Resistance [N·m], shape (worlds, joints).
         work: Work done on the models since the worlds began [J], by the trapezoidal rule over the
-            steps, shape (worlds, joints). After a closed loop it is the dissipated energy.
+            steps, shape (worlds, joints). After a closed loop this is the dissipated energy.
         fault: Flags, 1 where a motion has met the pole of an uncertified model, shape (worlds,
             joints). The torque there keeps its last valid value until the world's next reset.
     """
@@ -73,7 +73,7 @@ class Hysteresis:
         if d.nworld != self.torque.shape[0]:
             raise InputError(
                 f"d has {d.nworld} worlds, and the hysteresis was attached with "
-                f"{self.torque.shape[0]}: attach it to each model with the data that it is for"
+                f"{self.torque.shape[0]}: attach the hysteresis to each model with its own data"
             )
         if self._before is not None:
             self._before(m, d)
