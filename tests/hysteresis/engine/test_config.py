@@ -111,7 +111,7 @@ def say(key, value, what):
 BAD = [
     ("jiles_atherton", {"joint": "nope"}, "of joint 'nope': the model has no such joint"),
     ("jiles_atherton", {"joint": "ball"}, "of joint 'ball': the joint is not a hinge or a slide"),
-    ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': the joint is not a hinge or a slide"),
+    ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': the joint is not a hinge"),
     ("jiles_atherton", {"Ms": "many"}, say("Ms", "many", ONE_NUMBER)),
     ("jiles_atherton", {"a": "-3"}, say("a", "-3", "give a number above 0")),
     ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use rad or deg")),
