@@ -19,14 +19,7 @@ from ...checks import number
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..polynomial import coefficients, extremes
-from ..protocol import (
-    POLYNOMIAL,
-    Energy,
-    HysteresisModel,
-    Numbers,
-    State,
-    finite_series,
-)
+from ..protocol import POLYNOMIAL, Energy, HysteresisModel, Numbers, State, finite_series
 from . import backlash_kernels as backlash
 from . import viscoelastic_kernels as viscoelastic
 

@@ -101,13 +101,7 @@ class BoucWen(HysteresisModel):
         )
 
     @classmethod
-    def from_stiffness_ratio(
-        cls,
-        *,
-        k: float,
-        alpha: float,
-        **others: float,
-    ) -> "BoucWen":
+    def from_stiffness_ratio(cls, *, k: float, alpha: float, **others: float) -> "BoucWen":
         """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
 
         Args:

@@ -14,14 +14,7 @@ import math
 from numba import njit
 
 from . import prandtl_ishlinskii as stops
-from .prandtl_ishlinskii import (
-    FINE,
-    FIRST_PLAY,
-    HEADER,
-    START_TOLERANCE,
-    dissipated,
-    stop,
-)
+from .prandtl_ishlinskii import FINE, FIRST_PLAY, HEADER, START_TOLERANCE, dissipated, stop
 
 __all__ = ["dissipated"]
 MOST_KNOTS = 16

@@ -16,11 +16,7 @@ from numba import njit
 HEADER = 2  # numbers in p before the thresholds
 FIRST_PLAY = 3  # numbers in s before the plays
 FINE, ASCENDING, AS_MANY = range(3)
-COMPLAINTS = (
-    b"",
-    b"give increasing numbers above 0",
-    b"give as many numbers as thresholds",
-)
+COMPLAINTS = (b"", b"give increasing numbers above 0", b"give as many numbers as thresholds")
 START_TOLERANCE = 1e-12  # rounding of a saturated torque, relative to the sum of all |torques|
 
 
