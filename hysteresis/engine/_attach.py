@@ -227,11 +227,13 @@ def replace_model(
         if rate.size:
             rate = viscoelastic.carried(rate, state[-play.size - rate.size :][: rate.size])
     else:
-        angle, torque, path = _compiled_start(mj_model, instance, joint)
-        start = model.start(
-            angle if start_angle is None else start_angle,
-            torque if start_torque is None else start_torque,
-        )
+        values = _compiled_config(mj_model, instance)
+        path = [float(angle) for angle in values[START_PATH].split()]
+        if start_angle is None:
+            start_angle = float(values[START_ANGLE] or mj_model.joint(joint).qpos0[0])
+        if start_torque is None:
+            start_torque = float(values[START_TORQUE] or 0.0)
+        start = model.start(start_angle, start_torque)
     if not allow_uncertified:
         require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
@@ -309,16 +311,6 @@ def _compiled_config(mj_model: mujoco.MjModel, instance: int) -> list[str]:
     """Returns the values of an instance's config keys, empty where a key was not given."""
     text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
     return [value.decode() for value in text.split(b"\0")]
-
-
-def _compiled_start(
-    mj_model: mujoco.MjModel, instance: int, joint: str
-) -> tuple[float, float, list[float]]:
-    """Returns the start of an instance's memory: angle [rad], torque [N·m] and path [rad]."""
-    values = _compiled_config(mj_model, instance)
-    angle = float(values[START_ANGLE] or mj_model.joint(joint).qpos0[0])
-    path = [float(angle) for angle in values[START_PATH].split()]
-    return angle, float(values[START_TORQUE] or 0.0), path
 
 
 def _require_model(model: object) -> None:

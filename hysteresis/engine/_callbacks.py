@@ -189,13 +189,13 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         address, size = native.state_of(m, d, instance, at), native.state_size(m, instance, at)
         fault, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
         position = angle_of(m, d, joint_of(ids), at)
+        sound = play.size == 0 or backlash.is_sound(play)
         if rate.size and fault[0] != OFF and math.isfinite(position):
             if viscoelastic.is_sound(rate):
                 viscoelastic.relax(rate, position, native.doubles(m + at.m_opt__timestep, 1)[0])
-            elif fault[0] == 0:
-                fault[0] = 1.0
-                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
-        if play.size and fault[0] == 0 and not backlash.is_sound(play):
+            else:
+                sound = False
+        if fault[0] == 0 and not sound:
             fault[0] = 1.0
             complain_of(kernels, words, m, instance, (POLE, JOINT), at)
         position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
