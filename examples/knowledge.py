@@ -16,6 +16,7 @@ know more than the spring, since their torque jumps at each reversal. Another su
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from activesuit.envs.model import ASSISTED
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies.model_based import SHARE, ModelBased
 from activesuit.envs.rig import Record, RigConfig, run_rig
-from activesuit.hysteresis.branches import spring, two_branches
+from activesuit.hysteresis.branches import Branches, spring, two_branches
 from activesuit.identification import Curve, Curves, fit_curves
 from matplotlib.figure import Figure
 
@@ -121,13 +122,36 @@ def fitted(records: Mapping[str, Record], models: Mapping[str, str], seed: int) 
     """Returns the beliefs by name and joint."""
     found: dict[str, dict[str, JointBelief]] = {NONE: {}}
     for name, fit in WITHOUT_MEMORY.items():
-        found[name] = {joint: fit(one.angle, one.torque) for joint, one in records.items()}
+        found[name] = {
+            joint: Memoryless(fit(one.angle, one.torque), one.angle[0])
+            for joint, one in records.items()
+        }
     for name, model in models.items():
         found[name] = {
             joint: belief_of(SuitJoint.from_fit(fit_curves(curves(one), model=model, seed=seed)))
             for joint, one in records.items()
         }
     return found
+
+
+@dataclass(frozen=True)
+class Memoryless:
+    """Curves of both directions as a belief, which remembers the last angle and the direction."""
+
+    curves: Branches
+    start_angle: float
+    memory_size = 2
+
+    def begin(self) -> Array:
+        """Returns the memory at the start, shape (2,)."""
+        return np.array([self.start_angle, 1.0])
+
+    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
+        """Moves memories; see `HysteresisModel.advance`."""
+        way = np.sign(angle - memories[:, 0])
+        memories[:, 1] = np.where(way == 0, memories[:, 1], way)
+        memories[:, 0] = angle
+        return self.curves.torque(soon, memories[:, 1])
 
 
 def compensation(joints: Mapping[str, JointBelief] | None) -> Callable[[Plant], ModelBased]:

@@ -7,51 +7,36 @@ from numpy.polynomial import polynomial as poly
 
 from ..arrays import Array
 
-ANGLE, DIRECTION, MEMORY = 0, 1, 2
-
 
 @dataclass(frozen=True)
 class Branches:
     """A resistance that depends on the angle and on the direction of motion alone.
 
-    A controller without memory can know no more: a straight spring, a spring with Coulomb friction,
-    or a polynomial for each branch of the loop. The torque jumps at a reversal, so that these
-    curves cannot simulate a suit.
+    Examples are a straight spring, a spring with Coulomb friction, and a polynomial for each branch
+    of the loop. The torque jumps at a reversal, so these curves cannot simulate a suit.
 
     Attributes:
         rising: Coefficients of the torque while the angle rises, constant first [N·m/rad^i].
         falling: Coefficients of the torque while the angle falls, constant first [N·m/rad^i].
-        start_angle: Angle at which motions begin [rad].
     """
 
     rising: tuple[float, ...]
     falling: tuple[float, ...]
-    start_angle: float = 0.0
 
-    memory_size = MEMORY
+    def torque(self, angle: Array, direction: Array) -> Array:
+        """Returns the torque [N·m] at angles [rad] for the sign of the motion, 1 or -1."""
+        up, down = poly.polyval(angle, self.rising), poly.polyval(angle, self.falling)
+        return np.where(direction > 0, up, down)
 
     def response(self, angle: Array) -> Array:
         """Returns the torque along angles [rad], shape (n,); the first motion counts as rising."""
-        up, down = poly.polyval(angle, self.rising), poly.polyval(angle, self.falling)
-        return np.where(_direction(angle) > 0, up, down)
-
-    def begin(self) -> Array:
-        """Returns the memory at the start: the last angle and the direction, shape (2,)."""
-        return np.array([self.start_angle, 1.0])
-
-    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves memories on, in place; see `HysteresisModel.advance`."""
-        way = np.sign(angle - memories[:, ANGLE])
-        memories[:, DIRECTION] = np.where(way == 0, memories[:, DIRECTION], way)
-        memories[:, ANGLE] = angle
-        up, down = poly.polyval(soon, self.rising), poly.polyval(soon, self.falling)
-        return np.where(memories[:, DIRECTION] > 0, up, down)
+        return self.torque(angle, _direction(angle))
 
 
 def spring(angle: Array, torque: Array) -> Branches:
     """Returns the straight line through measured torques [N·m] at angles [rad], shape (n,)."""
     line = tuple(poly.polyfit(angle, torque, 1).tolist())
-    return Branches(line, line, float(angle[0]))
+    return Branches(line, line)
 
 
 def spring_with_friction(angle: Array, torque: Array) -> Branches:
@@ -59,15 +44,14 @@ def spring_with_friction(angle: Array, torque: Array) -> Branches:
     way = _direction(angle)
     columns = np.stack([np.ones_like(angle), angle, way], axis=1)
     offset, slope, friction = np.linalg.lstsq(columns, torque, rcond=None)[0].tolist()
-    up, down = (offset + friction, slope), (offset - friction, slope)
-    return Branches(up, down, float(angle[0]))
+    return Branches((offset + friction, slope), (offset - friction, slope))
 
 
 def two_branches(angle: Array, torque: Array) -> Branches:
     """Returns one cubic for the rising and one for the falling branch of all loops."""
     way = _direction(angle)
     up, down = (poly.polyfit(angle[way == s], torque[way == s], 3) for s in (1.0, -1.0))
-    return Branches(tuple(up.tolist()), tuple(down.tolist()), float(angle[0]))
+    return Branches(tuple(up.tolist()), tuple(down.tolist()))
 
 
 def _direction(angle: Array) -> Array:

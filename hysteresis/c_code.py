@@ -1,14 +1,14 @@
 """C99 code of models, for controllers without an operating system.
 
-Each model has its kernel `commit` in C beside its kernels in Python, and each model around another
-has its step. `Header` puts them into one header with the numbers of a model. In these files
+Each model has the kernel `commit` in C beside its kernels in Python, and each model around another
+has a step. `Header` joins this code with the numbers of a model. In the files
 
     as_, AS_             begin every name, and become the name of the header
     as_NAME_commit       takes the parameters p, their number, the memory s and the angle, as the
                          kernel of Python does, without the energies; NAME is the folder of a file
                          kernels.c, or else the name of the file
     LAYER_, INNER_       begin the names of a model around another, and of the model inside
-    #include "FILE"      is replaced by that file, which a header has once
+    #include "FILE"      becomes the code of FILE, once in a header
 """
 
 import math
@@ -34,13 +34,11 @@ BYTES = {"float": 4, "double": 8}
 
 @dataclass
 class Header:
-    """A C99 header that grows by models and other code.
-
-    Args:
-        prefix: Name with which all names of the header begin, of letters, digits and underscores.
+    """A C99 header to which models and other code are added.
 
     Attributes:
-        constants: Number of the numbers in its constant tables.
+        prefix: Beginning of all names in the header, of letters, digits and underscores.
+        constants: How many numbers the constant tables have.
     """
 
     prefix: str
@@ -52,7 +50,7 @@ class Header:
         self.include(Path(__file__).with_suffix(".h"))
 
     def include(self, path: Path) -> None:
-        """Adds the code of a file, and before it what it includes, each file once."""
+        """Adds the code of a file, after the files that it includes; a second call adds nothing."""
         path = path.resolve()
         if path not in self._included:
             self._included.add(path)
@@ -77,16 +75,8 @@ class Header:
     def model(self, name: str, model: HysteresisModel, state: State) -> int:
         """Adds a model: the type `NAME_state` and the functions `NAME_init` and `NAME_step`.
 
-        Args:
-            name: Name of the functions, which begins with `as_`.
-            model: The model.
-            state: State in which `NAME_init` begins.
-
-        Returns:
-            The number of the numbers in the state.
-
-        Raises:
-            InputError: The model has no C code, or a number that is too large for 32 bits.
+        `name` begins with `as_`, and `NAME_init` begins in `state`. Returns how many numbers the
+        type `NAME_state` has.
         """
         return self._layer(name, model, state.memory.tolist())
 
@@ -143,22 +133,16 @@ static inline as_real {name}_step({name}_state *s, as_real angle)
         return re.sub(r'^#include "(.+)"\n', "", code, flags=re.MULTILINE)
 
     def text(self, about: Sequence[str]) -> str:
-        """Returns the header.
-
-        Args:
-            about: Paragraphs of the comment with which it begins; see `comment`.
-        """
+        """Returns the header, which begins with a comment of the paragraphs `about`."""
         guard = f"{self.prefix.upper()}_H"
         parts = [comment(about), f"#ifndef {guard}\n#define {guard}", *self._code, "#endif"]
         return "\n\n".join(parts) + "\n"
 
 
 def numbers(model: HysteresisModel, memory: Sequence[float]) -> list[float]:
-    """Returns the numbers of all constant tables of a model, in the order of its header.
+    """Returns the numbers of a model's constant tables, in the order of the header.
 
-    Args:
-        model: The model.
-        memory: Memory with which the functions `NAME_init` begin, with its zeros.
+    The tables of starts have the whole `memory`, with zeros at the end.
     """
     if isinstance(model, Wrapper):
         size = model.model.memory_size
@@ -167,19 +151,9 @@ def numbers(model: HysteresisModel, memory: Sequence[float]) -> list[float]:
 
 
 def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Array:
-    """Returns the torques that `NAME_step` computes, by the kernels of Python.
+    """Computes the torques of `NAME_step` [N·m] by the kernels of Python, shape (n,).
 
-    Args:
-        model: The model.
-        state: State in which the motion begins.
-        angle: Angle of each step [rad], shape (n,).
-        dt: Time of a step [s], which only a viscoelastic model uses.
-
-    Returns:
-        Resistance [N·m], shape (n,).
-
-    Raises:
-        PoleError: The motion meets the pole of an uncertified model.
+    The motion begins in `state` and goes through the angles [rad], shape (n,), in steps of dt [s].
     """
     torque = np.empty(len(angle))
     for i, to in enumerate(angle):
@@ -192,12 +166,12 @@ def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Ar
 
 
 def identifier(name: str) -> str:
-    """Returns a name with an underscore for each character that no name in C may have."""
+    """Returns a name with an underscore for each character that C does not allow in names."""
     found = re.sub(r"[^A-Za-z0-9_]", "_", name)
     if not re.match("[A-Za-z]", found):
         raise InputError(
-            f"the name is {shown(name)}: begin it with a letter from a to z, since the names of "
-            "the C functions begin with it"
+            f"the name is {shown(name)}: begin the name with a letter from a to z, since the "
+            "names of the C functions begin so"
         )
     return found
 
@@ -214,7 +188,7 @@ def comment(paragraphs: Sequence[str]) -> str:
 
 
 def parameters(model: HysteresisModel) -> list[str]:
-    """Returns the parameters of a model with their units, one a line, those inside it last."""
+    """Returns lines of the parameters of a model with units; those of an inner model are last."""
     lines = [f"  {model.name}"]
     for name, value in model.to_dict().items():
         if name not in ("model", "hysteresis"):

@@ -14,10 +14,10 @@ class Certificate:
     """Guarantees that hold for every motion in a range, however the angle turns back and forth.
 
     Attributes:
-        margin: Number that is positive (above rounding, 1e-9) if the stiffness dM/dtheta stays
-            finite in every motion. For Jiles-Atherton it is the distance to the pole,
-            1 - max(alpha f) over all reachable states; in a range where that is not positive, over
-            the states up to the first unsafe one. For a model that has no pole it is 1.
+        margin: Number that is above rounding, 1e-9, if the stiffness dM/dtheta stays finite in
+            every motion. For Jiles-Atherton the margin is the distance to the pole,
+            1 - max(alpha f) over all reachable states; in a range with an unsafe state, over the
+            states up to that state. For a model without a pole the margin is 1.
         dissipative: Whether no closed cycle of motion extracts energy from the model.
         torque_bound: Largest |M| in any such motion [N·m]; infinite if an elastic part grows
             without bound in the range.
@@ -52,7 +52,7 @@ class UncertifiedModelError(InputError):
 
 
 class PoleError(InputError):
-    """A motion met the pole, where dM/dtheta is infinite: the model has no torque beyond it."""
+    """A motion met the pole, where dM/dtheta is infinite and beyond which there is no torque."""
 
 
 def checked_range(angle_range: tuple[float, float]) -> tuple[float, float]:

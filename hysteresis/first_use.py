@@ -1,8 +1,8 @@
 """The cache of compiled kernels, and a message while a first use fills it.
 
-Numba compiles a kernel when it is first called and caches the machine code on disk. On a new
-machine that takes up to a minute, and nothing else would show that the program is running. Who may
-write to the cache decides what code runs, as with the keys of ssh.
+Numba compiles a kernel at its first call and caches the machine code on disk. On a new machine the
+compilation takes up to a minute, in which nothing else would show that the program is running. A
+user who may write to the cache decides which code runs, so the cache must be private.
 """
 
 import os
@@ -28,43 +28,38 @@ MESSAGE = (
 
 
 class FirstUse(event.Listener):
-    """Adds up the compile time of our kernels, and reports when it becomes long.
-
-    Attributes:
-        done: Number of kernels that are compiled.
-    """
+    """Counts compiled kernels (`done`), and prints a message when their compile time is long."""
 
     def __init__(self) -> None:
-        self.done = 0
-        self._depth, self._begun, self._before = 0, 0.0, 0.0
+        self.done, self._depth, self._begun, self._before = 0, 0, 0.0, 0.0
         self._next = PATIENCE
 
     def on_start(self, event: Any) -> None:
-        """Notes that a function begins to compile; a function compiles what it calls inside."""
+        """Starts the clock, unless the compilation of a calling function has started it."""
         if not self._depth:
             self._begun = time.monotonic()
         self._depth += 1
-        self._speak()
+        self._report()
 
     def on_end(self, event: Any) -> None:
-        """Notes that a function is compiled."""
+        """Counts a compiled function, and stops the clock after the outermost function."""
         self.done += 1
-        self._speak()
+        self._report()
         self._depth = max(self._depth - 1, 0)
         if not self._depth:
             self._before += time.monotonic() - self._begun
 
-    def _speak(self) -> None:
+    def _report(self) -> None:
         spent = self._before + time.monotonic() - self._begun
         if spent <= self._next:
             return
         first, self._next = self._next == PATIENCE, LONGER * spent
-        said = f"activesuit: {self.done} kernels are compiled after {spent:.0f} s of compilation"
-        print(MESSAGE if first else said, file=sys.stderr, flush=True)
+        words = f"activesuit: {self.done} kernels are compiled after {spent:.0f} s of compilation"
+        print(MESSAGE if first else words, file=sys.stderr, flush=True)
 
 
 def check_cache() -> None:
-    """Checks that there is a cache of kernels, and that nobody else can put code into it."""
+    """Checks that there is a cache of kernels, and that no other user can write to the cache."""
     folder = os.environ.get(CACHE, "")
     if os.name == "posix" and os.path.isdir(folder):
         found = os.stat(folder)
@@ -83,11 +78,7 @@ def check_cache() -> None:
 
 
 def cache_folder() -> str:
-    """Returns the folder of the machine code of this module, beside those of the others.
-
-    Raises:
-        RuntimeError: There is no folder that this user may write to.
-    """
+    """Returns the folder of this module's machine code; a RuntimeError says that there is none."""
     return str(njit(cache=True)(_nothing).stats.cache_path)
 
 
@@ -99,10 +90,10 @@ _read_index: Any = getattr(IndexDataCacheFile, "_load_index", None)  # not publi
 
 
 def _index_of_today(self: Any) -> dict[Any, str]:
-    """Returns what an index of numba's cache lists; nothing if it has types that are gone.
+    """Returns the entries of an index of numba's cache; none if the index names a missing type.
 
-    Numba reads the types before it compares dates, so that an upgrade of this package would end
-    with the name of a module that an older version had.
+    Numba reads the types before the dates, so an upgrade of this package would end in an error
+    about a module of an older version.
     """
     try:
         return _read_index(self)

@@ -1,7 +1,7 @@
 """Splits measured angle-torque records into branches, between the reversals of the angle.
 
-A record is two series in the order of measurement: angle [rad] and torque [N·m]. Time plays no
-part, but samples should follow each other evenly enough for the estimate of noise to make sense.
+A record is two series in the order of measurement: angle [rad] and torque [N·m]. No function uses
+the time, but the estimate of noise needs samples at about even times.
 """
 
 import math
@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..errors import InputError
 from .protocol import finite_series
 
-NOISE_DEAD_BAND = 10.0  # standard deviations: 1 in 1e4 dwells of 1e4 Gaussian samples exceeds it
+NOISE_DEAD_BAND = 10.0  # standard deviations, which 1 in 1e4 dwells of 1e4 samples exceeds
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # share of the angle's range, for a few samples per branch
 LARGEST = 1e100  # largest measured number: squares and products stay finite
@@ -26,7 +26,7 @@ class Branch:
     """The part of a record between two reversals; neighbors share the sample at the turn.
 
     Attributes:
-        direction: Sign of the motion: +1 for rising angles, -1 for falling ones.
+        direction: Sign of the motion: +1 for rising angles, -1 for falling angles.
         start: Index of the first sample in the record.
         stop: Index after the last sample, so that record[start:stop] is the branch.
         angle: Angles as measured [rad], shape (n,); jitter and dwell included.
@@ -68,7 +68,7 @@ def estimate_dead_band(angle: ArrayLike) -> float:
 def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.intp]:
     """Finds the turning points of a noisy motion.
 
-    An extreme angle is a turning point once the motion has come back from it by more than the dead
+    An extreme angle is a turning point if the motion comes back from there by more than the dead
     band. If the noise stays within half the dead band, and each true swing is larger than twice the
     dead band, then exactly the true reversals are found.
 
@@ -78,8 +78,8 @@ def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.in
             takes `estimate_dead_band`.
 
     Returns:
-        Indices of the turning points, ascending. A dwell at an extreme gives its first sample. The
-        two ends of the record are not among them.
+        Ascending indices of the turning points, without the two ends of the record. A dwell at an
+        extreme gives the first sample of the dwell.
     """
     angle = _measured("angle", angle, "rad")
     turns, _ = _turning_points(angle, _dead_band(angle, dead_band))
@@ -96,9 +96,6 @@ def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None
 
     Returns:
         The branches in the order of measurement, with alternating directions.
-
-    Raises:
-        InputError: The series are not a record, or the angle never leaves the dead band.
     """
     angle, torque = finite_record(angle, torque)
     dead_band = _dead_band(angle, dead_band)
@@ -122,7 +119,7 @@ def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None
 
 
 def finite_record(angle: ArrayLike, torque: ArrayLike) -> tuple[Array, Array]:
-    """Returns both series as arrays, or raises an InputError that says what is wrong with them."""
+    """Returns both series as arrays of one size, at least 3."""
     angle, torque = _measured("angle", angle, "rad"), _measured("torque", torque, "N·m")
     if angle.size != torque.size:
         raise InputError(

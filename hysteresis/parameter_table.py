@@ -40,7 +40,7 @@ def _parameters(model: HysteresisModel) -> dict[str, str]:
 
 
 def labeled(name: str, units: Mapping[str, str]) -> str:
-    """Returns the name of a parameter with its unit, if it has one."""
+    """Returns the name of a parameter with the unit, or alone for a pure number."""
     shown = "offset of the model" if name == "offset" else name  # not that of a torque sensor
     return f"{shown} [{units[name]}]" if name in units else shown
 

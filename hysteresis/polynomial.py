@@ -24,10 +24,7 @@ def coefficients(name: str, values: Numbers) -> tuple[float, ...]:
 
 
 def extremes(polynomial: Numbers, low: float, high: float) -> tuple[float, float]:
-    """Returns the least and the largest torque [N·m] in a range of angles [rad].
-
-    They are infinite if the range is and the torque is not constant.
-    """
+    """Returns the least and the largest torque [N·m] in a range of angles [rad], maybe infinite."""
     if not any(polynomial[1:]):
         return float(polynomial[0]), float(polynomial[0])
     if not np.isfinite(high - low):

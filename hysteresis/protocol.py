@@ -48,7 +48,7 @@ SCALINGS: Mapping[str, Callable[[float, float, float], float]] = {
 }
 """Parameters of models whose torques and angles are so many times as large, by unit."""
 LOSS = 2  # place in a memory, after angle and torque
-SURELY = 1 - 1e-9  # share of the memory bound at which rounding does not pass it
+SURELY = 1 - 1e-9  # share of the memory bound that rounding does not lift above the bound
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
 
 
@@ -60,9 +60,8 @@ class ConfigKey:
         name: Name of the key in MJCF.
         kind: Kind of its value: one "number", a "list" of numbers with blanks between them, "rows"
             of 1, 2, 3 ... numbers, which are end to end in MJCF, or one "word" of `words`.
-        words: Words that are allowed; a kernel gets the position of the given word among them.
-        optional: Whether the key may be left out. A number is 0 then, a list is empty, and a word
-            is the first of `words`.
+        words: Allowed words; a kernel gets the position of the given word among them.
+        optional: Whether the key may be left out, for the number 0, no list or the first word.
     """
 
     name: str
@@ -99,7 +98,7 @@ class State:
 
     Attributes:
         memory: Numbers of the kernels, read-only: angle, torque of the hysteretic part, the part of
-            the work so far that depends on the path, then the numbers that the model adds.
+            the past work that depends on the path, then the numbers that the model adds.
         angle: Last angle [rad].
         torque: Resistance at that angle [N·m].
     """
@@ -118,7 +117,7 @@ class State:
 
 
 class Energy(NamedTuple):
-    """Energy of a model: what it stores, and what it has dissipated since its start.
+    """Stored energy of a model, and the energy dissipated since the start of the motion.
 
     Attributes:
         stored: Stored energy [J].
@@ -132,30 +131,30 @@ class Energy(NamedTuple):
 class HysteresisModel(ABC):
     """Resistance [N·m] of a joint that depends on the order of its angles [rad], not on time.
 
-    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. It names a module of
-    kernels, plain numba functions over a parameter vector p and a memory s = [angle, torque, loss,
-    ...], from which this class derives all methods but `certificate`:
+    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. The class names a module
+    of kernels, plain numba functions over a parameter vector p and a memory s = [angle, torque,
+    loss, ...], from which this class derives all methods but `certificate`:
 
         complaint(values, ends)                 (0, 0), or the number of a complaint about the
-                                                values of all keys, end to end, and of the key that
-                                                it is about; Python runs it uncompiled
-        COMPLAINTS                              those complaints, as bytes; the first is empty
+                                                values of all keys, end to end, and the number of
+                                                the wrong key; Python runs it uncompiled
+        COMPLAINTS                              the complaints, as bytes; the first is empty
         configure(values, ends, p)              fills p from the same values
-        size(counts)                            how many numbers s and p have together, if the keys
-                                                have so many values
-        memory_size(total)                      how many of these are the memory's
-        begin(p, s, angle, torque)              fills s; returns how far the start is inside what
-                                                the certificate covers: < 0 outside, NaN if the
-                                                model cannot have that torque there
+        size(counts)                            how many numbers s and p have together, from the
+                                                number of values of each key
+        memory_size(total)                      how many of these numbers the memory has
+        begin(p, s, angle, torque)              fills s; returns how far the start is inside the
+                                                states that the certificate covers: < 0 outside,
+                                                NaN if the model cannot have that torque there
         move(p, s, angle)                       (torque, loss, maybe more) after a monotone motion
                                                 to another angle; s unchanged
-        commit(p, s, angle)                     the torque after it, which becomes the memory;
-                                                s stays as it is where the torque is NaN
+        commit(p, s, angle)                     the torque after that motion, whose end is the new
+                                                memory; s stays as it is where the torque is NaN
         stiffness(p, s, angle, torque, delta)   slope there if the motion goes on with sign delta
         stored(p, s, angle, torque, loss)       the energy stored there
         dissipated(p, s, angle, torque, loss)   the energy dissipated from the start to there
         certify(p, s, inside, low, high)        (is certified between two angles, how far inside
-                                                the start s is), given what `begin` returned
+                                                the start s is), given the result of `begin`
         is_sound(p)                             whether the kernels can rely on p, which a user can
                                                 overwrite in a saved state
 
@@ -192,7 +191,7 @@ class HysteresisModel(ABC):
 
     @cached_property
     def _parameters(self) -> Array:
-        """The same, writable as MuJoCo's memory: kernels compile anew for read-only arrays."""
+        """A writable copy of the same numbers: kernels compile anew for read-only arrays."""
         return self.parameter_vector.copy()
 
     @cached_property
@@ -202,7 +201,7 @@ class HysteresisModel(ABC):
         return int(self.kernels.memory_size.py_func(self._size(ends)))
 
     def _values(self, config: Mapping[str, Any]) -> tuple[Array, NDArray[np.int64]]:
-        """Returns the values of all keys, end to end, and where those of each key end."""
+        """Returns the values of all keys, end to end, and the end of each key's values."""
         parts = [
             np.atleast_1d(key.words.index(config[key.name]) if key.words else config[key.name])
             for key in self.config_keys
@@ -215,16 +214,13 @@ class HysteresisModel(ABC):
 
     @abstractmethod
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Proves what can be proved for any motion whose angles [rad] stay in a range."""
+        """Proves limits of any motion whose angles [rad] stay in a range."""
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> Self:
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 
-        That is exact for every motion. Each parameter changes as its unit says.
-
-        Args:
-            torque: Scale of the resistance, > 0.
-            angle: Scale of the angles, > 0.
+        Both scales are above 0. The result is exact for every motion: each parameter changes as its
+        unit says.
         """
         scales(torque=torque, angle=angle)
         given, units = self._given(), self.units
@@ -233,7 +229,7 @@ class HysteresisModel(ABC):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit of the model chooses: all but those that are `not_fitted`."""
+        """How many numbers a fit of the model chooses: all but the `not_fitted` numbers."""
         given = self._given().items()
         return sum(_count(value) for name, value in given if name not in self.not_fitted)
 
@@ -270,7 +266,6 @@ class HysteresisModel(ABC):
             Resistance [N·m], shape (n,), with torque[0] == initial_torque.
 
         Raises:
-            InputError: `angle` is not one finite series, or the model has no such start.
             PoleError: The motion meets the pole of an uncertified model.
         """
         angle = finite_series("angle", angle, "rad")
@@ -282,8 +277,10 @@ class HysteresisModel(ABC):
         return torque
 
     def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
-        """Moves a memory on, in place; returns the torque at each angle [N·m], NaN from a pole."""
-        del torque  # that at the first angle, which the memory has too
+        """Moves a memory along angles [rad], in place; returns the torques [N·m], NaN from a pole.
+
+        `torque` is that at the first angle [N·m], for models around another.
+        """
         torques = np.empty_like(angles)
         responder(self.kernels)(self._parameters, memory, angles, torques)
         return torques
@@ -314,66 +311,60 @@ class HysteresisModel(ABC):
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] to which the memory bound of the certificate refers.
 
-        It is None for a model whose kernel `begin` decides what the certificate covers.
+        The result is None for a model whose kernel `begin` decides which starts are certified.
         """
         return None
 
     def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit.
+        """Returns the state after a motion to `angle` [rad], and the resistance [N·m] there.
 
-        Returns:
-            The new state and the resistance [N·m] there.
+        Steps give the same torques as `response`, bit for bit.
 
         Raises:
-            InputError: `angle` is not finite.
             PoleError: The motion meets the pole of an uncertified model.
         """
         angle = number("angle", angle, "rad")
         if angle == state.angle:
             return state, state.torque
         memory = state.memory.copy()
-        torque = float(self._move(memory, state, angle))
+        torque = float(self._move(memory, angle))
         if math.isnan(torque):
             raise self._pole(state.angle, angle)
         memory.setflags(write=False)
         return State(memory, angle, torque), torque
 
-    def _move(self, memory: Array, state: State, angle: float) -> float:
-        """Moves the memory of a state on, in place; returns the torque [N·m], NaN at a pole."""
-        del state
+    def _move(self, memory: Array, angle: float) -> float:
+        """Moves a memory to `angle` [rad], in place; returns the torque [N·m], NaN at a pole."""
         return self.kernels.commit(self._parameters, memory, angle)
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory that takes the place of one of another model of this class and size.
+        """Returns the memory with which this model continues the motion of another model.
 
-        The angle stays, and the dissipated energy goes on. Each model of this package keeps its
-        inner state, and its torque follows from that: it changes no more than the parameters do,
-        and `scaled(torque=s)` makes it s times as large. A model that does not say otherwise keeps
-        the torque, with the memory that `begin` fills in.
+        The angle stays, and the dissipated energy goes on from its value. Each model of this
+        package keeps its inner state, from which the torque follows: the torque changes no more
+        than the parameters do, and `scaled(torque=s)` makes the torque s times as large. A class
+        without a `carry_over` of its own keeps the torque, with the memory that `begin` fills in.
 
         Args:
-            memory: Memory of the other model, shape (memory_size,).
-            parameters: Its parameters, as `parameter_vector` has them.
-
-        Raises:
-            InputError: The model cannot have that state.
+            memory: Memory of the other model, of the same class and size, shape (memory_size,).
+            parameters: Parameters of the other model, as `parameter_vector` has them.
         """
         return self._at_torque(float(memory[1]), memory, parameters)
 
     def _at_torque(self, torque: float, memory: Array, parameters: Array) -> Array:
-        """Returns a memory that begins with a torque [N·m] where another model's memory is."""
+        """Returns a memory with the angle and losses of another model's, and a torque [N·m]."""
         begun = self.start(float(memory[0]), torque).memory.copy()
         return self._keep_loss(begun, memory, parameters)
 
     def _keep_loss(self, own: Array, memory: Array, parameters: Array) -> Array:
-        """Gives a memory the dissipated energy of another model's, in place; returns it."""
+        """Gives the memory `own` the dissipated energy of another model's; returns `own`."""
         s = memory.copy()
         lost = self.kernels.dissipated(parameters.copy(), s, s[0], s[1], 0.0)
         own[LOSS] += lost - self.kernels.dissipated(self._parameters, own, own[0], own[1], 0.0)
         return own
 
     def _covered(self, angle: float, torque: float) -> float:
-        """Returns the torque [N·m] at an angle [rad], or the nearest one in the memory bound."""
+        """Returns the certified torque [N·m] at an angle [rad] that is nearest to `torque`."""
         certificate = self.certificate()
 
         def lag(torque: float) -> float:
@@ -392,26 +383,26 @@ class HysteresisModel(ABC):
         return float(root)
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves many memories on, in place; returns the torques a little later in their motions.
+        """Moves each memory to its angle, in place; returns the torques at the angles `soon`.
+
+        The memories stay at `angle`: the motions from there to `soon` are trials.
 
         Args:
             memories: Memories as `State` has them, shape (n, memory_size).
-            angle: Angle to which each moves [rad], shape (n,).
-            soon: Angle to which each would move then [rad], shape (n,); no memory keeps it.
+            angle: Angle to which each memory moves [rad], shape (n,).
+            soon: Angle of each returned torque [rad], shape (n,).
 
         Returns:
-            The resistance there [N·m], shape (n,).
+            Resistance at the angles `soon` [N·m], shape (n,).
 
         Raises:
             PoleError: A motion meets the pole of an uncertified model.
         """
-        p, commit, move = self._parameters, self.kernels.commit, self.kernels.move
         torque = np.empty(len(memories))
         for row, memory in enumerate(memories):
             before = memory[0]
-            commit(p, memory, angle[row])
-            ahead = memory[1] if soon[row] == memory[0] else move(p, memory, soon[row])[0]
-            torque[row] = ahead
+            self._move(memory, angle[row])
+            torque[row] = self._move(memory.copy(), soon[row])
             if math.isnan(torque[row]):
                 raise self._pole(float(before), float(soon[row]))
         return torque
@@ -442,10 +433,7 @@ class HysteresisModel(ABC):
 
         Returns:
             Angles [rad], shape (n,), with angle[0] == initial_angle; `response` gives the torques
-            back. Where several angles give a torque, it is the first that the motion meets.
-
-        Raises:
-            InputError: `torque` is not one finite series, or the model cannot reach a torque.
+            back. Where several angles give a torque, the result is the first on the way.
         """
         torque = finite_series("torque", torque, "N·m")
         state = self.start(initial_angle, torque[0])
@@ -461,7 +449,7 @@ class HysteresisModel(ABC):
         if certificate.certified:
             why = (
                 "the motion began outside the model's certificate, further than "
-                f"{certificate.memory_bound:.3g} N·m from the torque at rest: start nearer to it"
+                f"{certificate.memory_bound:.3g} N·m from the torque at rest: start nearer to that"
             )
         else:
             why = (
@@ -474,10 +462,10 @@ class HysteresisModel(ABC):
 
 
 def stamp_of(kernels: ModuleType, files: Iterable[Path] = ()) -> int:
-    """Returns a number that changes with any file beside a module of kernels, or of some others.
+    """Returns a number, at least 0, that changes with `files` and any file beside the kernels.
 
-    Numba's own check of its cache reads the file of a function, not those of functions that it
-    calls. A function that mentions the number, which is at least 0, is new to the cache with it.
+    Numba checks the file of a cached function only, not the files of the functions that are called
+    inside. A function that mentions the number is compiled anew when the number changes.
     """
     beside = Path(getattr(kernels, "__file__", None) or __file__).parent.glob("*.py")
     stats = [(path.name, path.stat()) for path in sorted({*beside, *files})]
@@ -489,8 +477,8 @@ def stamp_of(kernels: ModuleType, files: Iterable[Path] = ()) -> int:
 def responder(kernels: ModuleType) -> Callable[[Array, Array, Array, Array], None]:
     """Compiles the response of a model, once for each module of kernels.
 
-    The function moves a memory s along `angles` [rad], shape (n,), and fills `torques` [N·m] with
-    the torque at each; from a failure onwards, as at a pole, they are NaN.
+    The compiled function moves a memory s along `angles` [rad], shape (n,), and fills `torques`
+    [N·m], shape (n,). From a failure onwards, as at a pole, the torques are NaN.
     """
     version = stamp_of(kernels)
 
@@ -519,7 +507,7 @@ def _count(value: Any) -> int:
 
 
 def _scaled(value: Any, unit: str, torque: float, angle: float) -> Any:
-    """Returns a parameter of the unit, where torques and angles are so many times as large."""
+    """Returns a parameter for torques and angles that are `torque` and `angle` times as large."""
     if unit == POLYNOMIAL:
         return [one * torque / angle**power for power, one in enumerate(value)]
     if isinstance(value, tuple):
@@ -528,7 +516,7 @@ def _scaled(value: Any, unit: str, torque: float, angle: float) -> Any:
 
 
 def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
-    """Returns `values` as one finite series, or raises an InputError that says why not."""
+    """Returns `values` as one finite series, shape (n,)."""
     try:
         series = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -542,12 +530,7 @@ def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
 
 
 def follow(model: HysteresisModel, state: State, angles: Iterable[float]) -> State:
-    """Returns the state after monotone motions from `state` to each of some angles [rad].
-
-    Raises:
-        InputError: An angle is not finite.
-        PoleError: The motion meets the pole of an uncertified model.
-    """
+    """Returns the state after monotone motions from `state` to each of some angles [rad]."""
     for angle in angles:
         state, _ = model.step(state, angle)
     return state
@@ -560,30 +543,24 @@ def find_angle(model: HysteresisModel, state: State, target: float, what: str) -
     missing = target - state.torque
     if missing == 0:
         return state.angle
-    direction = math.copysign(1.0, missing)
+    here, direction = state.angle, math.copysign(1.0, missing)
     if model.tangent(state, direction) < 0:
         direction = -direction
-    # Bracket the root: increase the distance until the torque has passed the target.
-    here, reach = state.angle, FIRST_REACH
-    near, far = 0.0, math.nan
-    while reach <= FARTHEST:
-        try:
-            _, torque = model.step(state, here + direction * reach)
-        except PoleError:
-            break
-        if (torque - target) * missing >= 0:
-            far = reach
-            break
-        near, reach = reach, 1.5 * reach
-    if math.isnan(far):
-        raise InputError(
-            f"{what} is {target:.6g} N·m: no motion from {here:.6g} rad, {state.torque:.6g} N·m "
-            "reaches it; keep torques within the model's torque bound"
-        )
 
     def excess(distance: float) -> float:
         return model.step(state, here + direction * distance)[1] - target if distance else -missing
 
+    near, far = 0.0, FIRST_REACH
+    try:  # the distance grows until the torque has passed the target
+        while far <= FARTHEST and excess(far) * missing < 0:
+            near, far = far, 1.5 * far
+    except PoleError:
+        far = math.inf
+    if far > FARTHEST:
+        raise InputError(
+            f"{what} is {target:.6g} N·m: no motion from {here:.6g} rad, {state.torque:.6g} N·m "
+            "reaches it; keep torques within the model's torque bound"
+        )
     root: Any = brentq(excess, near, far, xtol=1e-14, rtol=np.float64(1e-14))
     return here + direction * float(root)
 

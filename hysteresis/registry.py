@@ -36,20 +36,15 @@ KERNELS = (
     "COMPLAINTS complaint configure size memory_size begin move commit stiffness stored dissipated "
     "certify is_sound"
 ).split()
-"""What a module of kernels has; see `HysteresisModel`."""
+"""Names that a module of kernels must define; see `HysteresisModel`."""
 OLD_NAMES = {"held": Clipped.name}
-"""Names of models in files of version 0.2, which are read."""
+"""Names of models in files of version 0.2, with the present names."""
 
 
 def register_model(model: type[HysteresisModel]) -> None:
-    """Registers a model for dictionaries, suit files, the engine and the command line.
+    """Registers a class of models for dictionaries, suit files, the engine and the command line.
 
-    Args:
-        model: Class that keeps the protocol of `HysteresisModel`.
-
-    Raises:
-        InputError: `model` is not such a class, lacks a part of the protocol, or has the name of
-            another model.
+    The class is derived from `HysteresisModel`, with a name of its own and all kernels.
     """
     if not (isinstance(model, type) and issubclass(model, HysteresisModel)):
         raise InputError(f"model is {model!r}: give a class derived from HysteresisModel")
@@ -66,11 +61,7 @@ def register_model(model: type[HysteresisModel]) -> None:
 
 
 def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
-    """Returns the model that `to_dict` described.
-
-    Raises:
-        InputError: The name is missing or unknown, or a parameter is unknown, missing or invalid.
-    """
+    """Returns the model of a dictionary as `to_dict` makes it."""
     if not isinstance(content, Mapping):
         raise InputError(f"a model is described by a dictionary, not by {shown(content)}")
     parameters = dict(content)

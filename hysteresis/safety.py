@@ -6,15 +6,10 @@ from .protocol import HysteresisModel, State
 
 
 def require_certificate(model: HysteresisModel, start: State, joint: str) -> None:
-    """Checks that no motion makes the torque infinite or extracts energy.
-
-    Args:
-        model: The model.
-        start: State in which its motions begin.
-        joint: Name of the joint, for the message.
+    """Checks that no motion that begins in `start` makes the torque infinite or extracts energy.
 
     Raises:
-        UncertifiedModelError: The model has no certificate, or its start is outside of it.
+        UncertifiedModelError: The model has no certificate, or the start is outside of it.
     """
     certificate = model.certificate()
     if not (certificate.certified and certificate.dissipative):
@@ -34,6 +29,6 @@ def require_certificate(model: HysteresisModel, start: State, joint: str) -> Non
         raise UncertifiedModelError(
             f"the start of joint {joint!r} at {start.angle:.4g} rad, {start.torque:.4g} N·m lies "
             f"outside the certificate, within {certificate.memory_bound:.3g} N·m of the torque at "
-            "rest: start nearer to it, or allow_uncertified=True",
+            "rest: start nearer to that torque, or allow_uncertified=True",
             margin=certificate.margin,
         )

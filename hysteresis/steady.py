@@ -1,4 +1,4 @@
-"""The steady cycle of a model: the loop that it repeats once it has forgotten its first loading."""
+"""The steady cycle of a model: the loop that the model repeats after enough cycles."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,12 +35,12 @@ class SteadyCycle:
 
     @cached_property
     def dissipated(self) -> float:
-        """The energy that one cycle dissipates, the closed integral of torque over angle [J]."""
+        """Energy that one cycle dissipates, the closed integral of torque over angle [J]."""
         return float(np.trapezoid(self.rising - self.falling, self.angle))
 
     @cached_property
     def loading_work(self) -> float:
-        """The work done on the joint in one cycle [J], counted where motion meets resistance."""
+        """Work on the joint in one cycle, counted where the torque resists the motion [J]."""
         against = np.maximum(self.rising, 0) + np.maximum(-self.falling, 0)
         return float(np.trapezoid(against, self.angle))
 
@@ -50,12 +50,9 @@ class SteadyCycle:
         return self.dissipated / self.loading_work if self.loading_work > 0 else 0.0
 
     def spring(self) -> tuple[float, float]:
-        """Returns the elastic torque of the cycle as a straight line.
+        """Returns the torque at angle 0 [N·m] and the stiffness [N·m/rad] of the elastic part.
 
-        It is the line of least squares through the middle of the two branches.
-
-        Returns:
-            Torque at angle 0 [N·m] and stiffness [N·m/rad].
+        Both describe the line of least squares through the middle of the two branches.
         """
         offset, stiffness = poly.polyfit(self.angle, (self.rising + self.falling) / 2, 1)
         return float(offset), float(stiffness)
@@ -68,22 +65,18 @@ def steady_cycle(
     start_angle: float | None = None,
     start_torque: float = 0.0,
 ) -> SteadyCycle:
-    """Follows a model through cycles between two angles until one repeats the previous one.
+    """Follows a model through cycles between two angles until a cycle repeats the previous cycle.
 
     Two cycles are the same where their torques differ by less than 1e-6 of the torque's range.
 
     Args:
         model: Any hysteresis model.
         angle_range: Lowest and highest angle of the cycles [rad].
-        start_angle: Angle at which the memory begins [rad]; by default the lowest one.
+        start_angle: Angle at which the memory begins [rad]; by default the lowest angle.
         start_torque: Resistance at that angle [N·m].
 
-    Returns:
-        The steady cycle.
-
     Raises:
-        InputError: The range is not two finite ascending angles, the model has no such start, or
-            128 cycles do not become steady.
+        InputError: 128 cycles do not become steady.
         PoleError: The motion meets the pole of an uncertified model.
     """
     low, high = checked_range(angle_range)

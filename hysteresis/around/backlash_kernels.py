@@ -1,8 +1,8 @@
 """Contact across a gap, which `Backlash` and the engine share.
 
-A model behind play has its kernels, its memory s and parameters p, the coefficients of an elastic
-polynomial and the range outside which its torque is constant, each empty where there
-is none. The array `play` holds the gap [rad], and the angle of the suit's side [rad].
+The model behind the gap has kernels, a memory s, parameters p, the coefficients of an elastic
+`polynomial`, and `limits`, the range outside which the torque is constant; both may be empty. The
+array `play` holds the gap [rad] and the angle of the suit's side [rad].
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -33,7 +33,7 @@ def is_sound(play):
 
 @njit
 def within(limits, angle):
-    """Returns the angle, clipped to the range outside which the torque is constant, if any."""
+    """Returns the angle, clipped to `limits` unless these are empty."""
     if limits.size == 0 or math.isnan(angle):
         return angle
     return min(max(angle, limits[0]), limits[1])
@@ -41,7 +41,7 @@ def within(limits, angle):
 
 @njit(cache=True)
 def begun(gap, angle, torque):
-    """Returns the angle of the suit's side where a motion begins, in contact if there is torque."""
+    """Returns the angle of the suit's side at the start, which is in contact if torque is not 0."""
     if abs(torque) <= ZERO:
         return angle
     return angle - math.copysign(gap / 2, torque)
@@ -58,9 +58,9 @@ def torque_at(kernels, p, s, polynomial, limits, end):
 
 @njit(inline="always")
 def opening(kernels, p, s, polynomial, limits, near, torque, far):
-    """Returns where the torque vanishes on the way from `near` to `far`, or `far`.
+    """Returns the angle between `near` and `far` at which the torque vanishes, or `far`.
 
-    It brackets the root by the Illinois rule (Dowell and Jarratt 1971).
+    The search brackets the root by the Illinois rule (Dowell and Jarratt 1971).
     """
     last = torque_at(kernels, p, s, polynomial, limits, far)
     if not last * torque < 0:
@@ -86,10 +86,9 @@ def opening(kernels, p, s, polynomial, limits, near, torque, far):
 def end_at(kernels, p, s, polynomial, limits, play, angle):
     """Returns the angle of the suit's side after a monotone motion of the joint to `angle`.
 
-    It changes no state. It is compiled once for each module of kernels: if all callbacks of the
-    engine inlined it, they would take twice as long to compile. It is one function for all modules,
-    so that numba can cache its callers on disk: a function made for each module would be a new one
-    to numba in every process.
+    The function changes no state. Numba compiles one version for each module of kernels: inlining
+    in all callbacks of the engine would double their compile time. A function made for each module
+    would be new to numba in every process, and would keep numba from caching the callers on disk.
     """
     here, half = play[END], play[GAP] / 2
     torque = s[1] + value_of(polynomial, here)
@@ -116,8 +115,8 @@ def is_free(torque, play, end, angle, delta):
 def follower(kernels: ModuleType) -> Callable[..., Any]:
     """Compiles the motion of a model behind play, once for each module of kernels.
 
-    The function fills `torques` with the torque along `angles` from the second one on, and moves s
-    and `play` with it. At a pole, both stay as they are, and the torque is NaN from there on.
+    The function fills `torques` along `angles` from the second angle on, and moves s and `play`. At
+    a pole s and `play` stay as they are, and all later torques are NaN.
     """
     version = stamp_of(kernels)
 

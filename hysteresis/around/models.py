@@ -19,14 +19,7 @@ from ...checks import number
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..polynomial import coefficients, extremes
-from ..protocol import (
-    POLYNOMIAL,
-    Energy,
-    HysteresisModel,
-    Numbers,
-    State,
-    finite_series,
-)
+from ..protocol import POLYNOMIAL, Energy, HysteresisModel, Numbers, State, finite_series
 from . import backlash_kernels as backlash
 from . import viscoelastic_kernels as viscoelastic
 
@@ -40,7 +33,7 @@ class Wrapper(HysteresisModel):
     """
 
     place: ClassVar[str]
-    """Config key in MJCF, and the field of `Parts`, that has its numbers."""
+    """Config key in MJCF, and field of `Parts`, for the numbers of the class."""
     remembered: ClassVar[int] = 0
     """How many numbers the class remembers in a state of the engine."""
     c_state: ClassVar[int] = 0
@@ -50,14 +43,13 @@ class Wrapper(HysteresisModel):
 
     @property
     def given(self) -> list[float]:
-        """The numbers that a user gives, those of all parameters end to end."""
+        """The numbers of all parameters, end to end."""
         return np.concatenate([np.ravel(getattr(self, name)) for name in self.units]).tolist()
 
     @property
     def numbers(self) -> Array:
-        """The same, and zeros for the numbers that the class remembers in a state of the engine."""
-        given = self.given
-        return np.array([*given, *[0.0] * self.remembered])
+        """The given numbers, and zeros for those that the class remembers in a state."""
+        return np.array([*self.given, *[0.0] * self.remembered])
 
     @property
     def kernels(self) -> ModuleType:  # type: ignore[override]
@@ -76,11 +68,11 @@ class Wrapper(HysteresisModel):
 
     @property
     def c_source(self) -> Path:
-        """File with what this class adds to the inner model in C99, NAME.c beside the class."""
+        """File with the C99 code of this class around its inner model, NAME.c beside the class."""
         return Path(str(sys.modules[type(self).__module__].__file__)).with_name(f"{self.name}.c")
 
     def _check_inside(self, *allowed: type["Wrapper"], words: str) -> None:
-        """Checks that the model inside is a bare one, or one of some wrappers."""
+        """Checks that the inner model is bare, or one of the allowed wrappers."""
         refused = isinstance(self.model, Wrapper) and not isinstance(self.model, allowed)
         if not isinstance(self.model, HysteresisModel) or refused:
             raise InputError(f"model is {shown(self.model)}: give one {words}")
@@ -91,11 +83,11 @@ class Wrapper(HysteresisModel):
     def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
         return self.model._follow(memory, angles, torque)
 
-    def _move(self, memory: Array, state: State, angle: float) -> float:
-        return self.model._move(memory, state, angle)
+    def _move(self, memory: Array, angle: float) -> float:
+        return self.model._move(memory, angle)
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves many memories on, in place; see `HysteresisModel.advance`."""
+        """Moves memories; see `HysteresisModel.advance`."""
         return self.model.advance(memories, angle, soon)
 
     def tangent(self, state: State, direction: float) -> float:
@@ -107,7 +99,7 @@ class Wrapper(HysteresisModel):
         return self.model.energy(self._inner(state))
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; see `HysteresisModel.carry_over`."""
+        """Returns the memory that continues another model's; see `HysteresisModel.carry_over`."""
         return self.model.carry_over(memory, parameters)
 
     def anhysteretic(self, state: State) -> float | None:
@@ -125,7 +117,7 @@ class Wrapper(HysteresisModel):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit chooses: those of the inner model, and those around it."""
+        """How many numbers of the inner model and of this class a fit chooses."""
         return self.model.free_parameters + super().free_parameters
 
     def to_dict(self) -> dict[str, Any]:
@@ -138,25 +130,20 @@ class Wrapper(HysteresisModel):
 class Clipped(Wrapper):
     """A model inside a range of angles; outside, the torque keeps its value at the range's end.
 
-    The inner model follows the angle clipped to the range, which is constant extrapolation:
-    Simulink's lookup tables call it "clip". It is not called "clamped" here, because `clamp`
-    already names the rule of magnetics in `JilesAtherton`.
+    The inner model follows the angle clipped to the range. Simulink's lookup tables call this
+    constant extrapolation "clip"; `clamp` is the rule of magnetics in `JilesAtherton`.
 
-    A model that was identified in a range of angles says nothing about the torque outside it, and
-    many models are certified in a range only. The inner model never leaves the range, so its
-    certificate for the range holds at all angles here. The constant torque outside is conservative:
-    it dissipates nothing. But it does not decay, and has no equilibrium outside: where the torque
-    at the end of the range is not zero, an arm that hangs or lies outside is pushed for ever, as if
-    a constant weight pulled at the joint. A real suit's joint has an equilibrium angle of its own.
-    If an arm goes beyond the range, measure there, or use a model that is certified at all angles.
+    A model that was identified in a range of angles says nothing about the torque outside, and many
+    models are certified in a range only. The inner model never leaves the range, so the certificate
+    for the range holds at all angles here. The constant torque outside dissipates nothing. But that
+    torque does not decay: where the torque at the end of the range is not zero, an arm outside is
+    pushed for ever, as by a constant weight. A real suit's joint has an equilibrium angle. If an
+    arm goes beyond the range, measure there, or use a model that is certified at all angles.
 
     Attributes:
         model: Inner model, neither `Clipped` nor `Asymmetric`. A `Clipped` model can be made
             asymmetric, but not the other way round.
         angle_range: Lowest and highest angle that the inner model follows [rad].
-
-    Raises:
-        InputError: The range is not two finite ascending angles, or `model` is itself a wrapper.
     """
 
     name = "clipped"
@@ -179,11 +166,11 @@ class Clipped(Wrapper):
     def _follow(self, memory: Array, angles: Array, torque: float) -> Array:
         return self.model._follow(memory, np.clip(angles, *self.angle_range), torque)
 
-    def _move(self, memory: Array, state: State, angle: float) -> float:
-        return self.model._move(memory, state, self._inside(angle))
+    def _move(self, memory: Array, angle: float) -> float:
+        return self.model._move(memory, self._inside(angle))
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's, with a torque that is certified here."""
+        """Returns the memory that continues another model's, with a torque that is certified."""
         carried = self.model.carry_over(memory, parameters)
         if self.start_is_certified(State(carried, float(carried[0]), float(carried[1]))):
             return carried
@@ -191,7 +178,7 @@ class Clipped(Wrapper):
         return self.model._at_torque(torque, memory, parameters)
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves many memories on, in place; see `HysteresisModel.advance`."""
+        """Moves memories; see `HysteresisModel.advance`."""
         inside = (np.clip(angles, *self.angle_range) for angles in (angle, soon))
         return self.model.advance(memories, *inside)
 
@@ -221,15 +208,12 @@ class Asymmetric(Wrapper):
     """A model plus a history-independent torque: T = model(theta) + sum p_i theta^i.
 
     Measured loops of suit joints are not symmetric (Li et al. 2022, section 5.2), but the loops of
-    most models are. The polynomial bends the loop and leaves the dissipated energy as it is,
-    because its own work depends on the first and last angle only.
+    most models are. The polynomial bends the loop but does not change the dissipated energy,
+    because the work of the polynomial depends on the first and last angle only.
 
     Attributes:
         model: Hysteretic part, any model that is not asymmetric itself.
         polynomial: Coefficients p_0, p_1, ..., at most six [N·m/rad^i].
-
-    Raises:
-        InputError: The polynomial is not finite or too long, or the model is asymmetric itself.
     """
 
     name = "asymmetric"
@@ -256,11 +240,11 @@ class Asymmetric(Wrapper):
         torques[0] = torque
         return torques
 
-    def _move(self, memory: Array, state: State, angle: float) -> float:
-        return self.model._move(memory, state, angle) + float(self.elastic(angle))
+    def _move(self, memory: Array, angle: float) -> float:
+        return self.model._move(memory, angle) + float(self.elastic(angle))
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves many memories on, in place; see `HysteresisModel.advance`."""
+        """Moves memories; see `HysteresisModel.advance`."""
         return self.model.advance(memories, angle, soon) + self.elastic(soon)
 
     def tangent(self, state: State, direction: float) -> float:
@@ -286,13 +270,9 @@ class Asymmetric(Wrapper):
 
 
 def sprung(model: HysteresisModel, offset: float, stiffness: float) -> HysteresisModel:
-    """Returns the model plus a straight elastic line, which dissipates nothing.
+    """Returns the model plus the torque offset [N·m] + stiffness [N·m/rad] * angle.
 
-    Args:
-        model: Any hysteresis model; an asymmetric one gets the line added to its polynomial, also
-            where it is behind play or the part of a viscoelastic one.
-        offset: Torque of the line at angle 0 [N·m].
-        stiffness: Its slope [N·m/rad].
+    An `Asymmetric` model, also inside another, gets the line added to its polynomial.
     """
     line = [offset, stiffness]
     if isinstance(model, Wrapper) and not isinstance(model, Asymmetric | Clipped):
@@ -311,27 +291,22 @@ class Backlash(Wrapper):
     theta - gap/2 <= y <= theta + gap/2. The torque is T = model(y), and contact can only push:
     T > 0 where y = theta - gap/2, T < 0 where y = theta + gap/2, and T = 0 in between. So contact
     opens where the torque has fallen to zero, the suit's side rests there, and the joint moves
-    freely until it meets the other face. This is the play of a transmission that carries contact
+    freely until contact on the other face. This is the play of a transmission that carries contact
     forces only (Nordin and Gutman 2002, Automatica 38, with a hysteresis model in place of the
     shaft).
 
     Work is done only where y moves with theta, so a motion of the joint does at least the work that
     the model takes: `dissipative` of the certificate is that of the inner model. Play at the input
-    alone, T = model(play(theta)) as in stacked play operators, is not offered. It does not know the
-    torque: at a reversal the joint would go back by the gap at constant torque, and gain energy
-    that the model never stored.
+    alone, T = model(play(theta)) as in stacked play operators, is not offered: at a reversal the
+    joint would go back by the gap at constant torque, and gain energy that was never stored.
 
-    Where the torque of the model falls with its angle (a polynomial can do that), the suit's side
-    may snap from one face to the other, and the impact dissipates the energy that is released.
+    Where the torque of the model falls with rising angle (as a polynomial can), the suit's side may
+    snap from one face to the other, and the impact dissipates the energy that is released.
 
     Attributes:
         model: Model of the suit's side, which may be `Clipped` and `Asymmetric`. A model behind
             play can have a dashpot beside it (`Viscoelastic`), but not the other way round.
-        gap: Angle by which the joint can move without torque [rad].
-
-    Raises:
-        InputError: The gap is not finite or not above 0, or `model` is itself behind play or
-            viscoelastic.
+        gap: Angle by which the joint can move without torque, > 0 [rad].
     """
 
     name = "backlash"
@@ -348,7 +323,7 @@ class Backlash(Wrapper):
         self._check_inside(Asymmetric, Clipped, words=f"{words} it")
         gap = number("gap", self.gap, "rad")
         if gap <= 0:
-            raise InputError(f"gap is {gap:g} rad: give an angle above 0, or the model without it")
+            raise InputError(f"gap is {gap:g} rad: give an angle above 0, or the inner model alone")
         object.__setattr__(self, "gap", gap)
 
     @property
@@ -363,7 +338,7 @@ class Backlash(Wrapper):
         return around.polynomial, around.angle_range
 
     def _begin(self, angle: float, torque: float) -> Array:
-        """Begins in contact at a resistance [N·m]; without one in the middle of the gap."""
+        """Begins in contact, or without torque in the middle of the gap; returns the memory."""
         end = backlash.begun(self.gap, angle, torque)
         return np.append(self.model._begin(end, torque), end)
 
@@ -375,24 +350,14 @@ class Backlash(Wrapper):
         memory[-1] = play[backlash.END]
         return torques
 
-    def _move(self, memory: Array, state: State, angle: float) -> float:
-        return float(self._follow(memory, np.array([state.angle, angle]), state.torque)[1])
+    def _move(self, memory: Array, angle: float) -> float:
+        return float(self._follow(memory, np.array([np.nan, angle]), 0.0)[1])
+
+    advance = HysteresisModel.advance
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; the suit's side keeps its angle."""
+        """Returns the memory that continues another model's; the suit's side keeps its angle."""
         return np.append(self.model.carry_over(memory[:-1], parameters), memory[-1])
-
-    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves many memories on, in place; see `HysteresisModel.advance`."""
-        torque = np.empty(len(memories))
-        for row, memory in enumerate(memories):
-            before = float(memory[-1])
-            here = self._follow(memory, np.array([np.nan, angle[row]]), 0.0)[1]
-            ahead = np.array([angle[row], soon[row]])
-            torque[row] = self._follow(memory.copy(), ahead, here)[1]
-            if math.isnan(torque[row]):
-                raise self._pole(before, float(soon[row]))
-        return torque
 
     def suit_state(self, state: State) -> State:
         """Returns the state of the model inside, at the angle of the suit's side [rad]."""
@@ -401,7 +366,7 @@ class Backlash(Wrapper):
     _inner = suit_state
 
     def tangent(self, state: State, direction: float) -> float:
-        """Returns the stiffness [N·m/rad] with which a motion goes on; 0 where it is free."""
+        """Returns the stiffness [N·m/rad] with which a motion goes on; 0 inside the gap."""
         end, delta = state.memory[-1], math.copysign(1.0, direction)
         if backlash.is_free(state.torque, np.array([self.gap, end]), end, state.angle, delta):
             return 0.0
@@ -412,10 +377,7 @@ class Backlash(Wrapper):
         return self.model.start_is_certified(self.suit_state(state))
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Returns the certificate of the inner model for the angles that the suit's side can reach.
-
-        They extend half a gap beyond the range on either side.
-        """
+        """Returns the certificate of the inner model, half a gap beyond the range on each side."""
         low, high = checked_range(angle_range)
         inner = self.model.certificate((low - self.gap / 2, high + self.gap / 2))
         return replace(inner, angle_range=(low, high))
@@ -432,16 +394,15 @@ class Viscoelastic(Wrapper):
     addition to that of the model. Both are relaxed where a motion begins.
 
     In an infinitely slow motion both torques vanish. All methods without time assume such a motion:
-    `step`, `advance`, `tangent`, `energy`, `inverse`, and `response` without times. The engine
-    knows the time: a simulation includes these torques, as does `response` with times, to the first
-    order of the time step.
+    `step`, `advance`, `tangent`, `energy`, `inverse`, and `response` without times. A simulation
+    includes both torques, as does `response` with times, to the first order of the time step.
 
     Attributes:
-        model: Hysteretic part, which does not depend on the rate; it may be `Clipped`, `Asymmetric`
-            and behind play.
+        model: Model that does not depend on the rate; it may be `Clipped`, `Asymmetric` and behind
+            play.
         damping: Damping b of the dashpot [N·m·s/rad].
         relaxation_stiffness: Stiffness k of the Maxwell element [N·m/rad].
-        relaxation_time: Time tau in which its torque decays to 1/e [s].
+        relaxation_time: Time tau in which the Maxwell element's torque decays to 1/e [s].
     """
 
     name = "viscoelastic"
@@ -490,20 +451,13 @@ class Viscoelastic(Wrapper):
             Resistance [N·m], shape (n,).
 
         Raises:
-            InputError: See `HysteresisModel.response`; or the times do not ascend, or are not as
-                many as the angles.
             PoleError: The motion meets the pole of an uncertified model.
         """
         torque = super().response(angle, initial_torque)
         return torque if time is None else torque + self.rate_torque(angle, time)
 
     def rate_torque(self, angle: ArrayLike, time: ArrayLike) -> Array:
-        """Computes the torque of both elements along a motion [N·m], shape (n,).
-
-        Args:
-            angle: Joint angles [rad], shape (n,).
-            time: Time of each, ascending [s], shape (n,).
-        """
+        """Computes the torque of both elements [N·m] from angles [rad] and ascending times [s]."""
         angle, time = finite_series("angle", angle, "rad"), finite_series("time", time, "s")
         if time.size != angle.size:
             raise InputError(f"time has {time.size} samples and angle {angle.size}: give as many")
@@ -521,7 +475,7 @@ class Viscoelastic(Wrapper):
         """Returns the certificate of the model, with a larger torque bound.
 
         Both elements are passive, so `dissipative` stays. The spring of the Maxwell element never
-        deflects by more than the range, which bounds its torque; a dashpot has no bound.
+        deflects by more than the range, which bounds that torque; a dashpot has no bound.
         """
         low, high = checked_range(angle_range)
         inner, more = self.model.certificate((low, high)), 0.0
@@ -533,20 +487,20 @@ class Viscoelastic(Wrapper):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit chooses: those of the model, and those that are not 0 here."""
+        """How many numbers a fit chooses: those of the inner model, and all here that are not 0."""
         maxwell = 2 if self.relaxation_stiffness > 0 else 0
         return self.model.free_parameters + (self.damping > 0) + maxwell
 
 
 def without_rate(model: HysteresisModel) -> HysteresisModel:
-    """Returns the model beside the dashpot, or the model itself where there is none."""
+    """Returns the model inside a `Viscoelastic` one, or a model without rate as it is."""
     return model.model if isinstance(model, Viscoelastic) else model
 
 
 class Parts(NamedTuple):
-    """A model without those around it, and the numbers of each of these, none if it is not there.
+    """The innermost model, and the numbers of each model around; an array is empty for none.
 
-    The numbers stand in this order in a state of the engine, under these names in MJCF.
+    A state of the engine has the numbers in this order, and MJCF has these names.
     """
 
     bare: HysteresisModel
@@ -557,7 +511,7 @@ class Parts(NamedTuple):
 
 
 def parts(model: HysteresisModel) -> Parts:
-    """Splits a model into the innermost one and the numbers of those around it."""
+    """Splits a model into the innermost model and the numbers of the models around."""
     around = {}
     while isinstance(model, Wrapper):
         around[model.place] = model.numbers

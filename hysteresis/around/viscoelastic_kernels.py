@@ -1,8 +1,8 @@
 """The torque of a dashpot and a Maxwell element, which `Viscoelastic` and the engine share.
 
-An array holds numbers and memory of both: damping [N·m·s/rad], stiffness [N·m/rad] and relaxation
-time [s] of the Maxwell element; then whether the motion has begun, the last angle [rad], the
-element's torque there [N·m], and the energy [J] that both have dissipated.
+The array `rate` holds damping [N·m·s/rad], and stiffness [N·m/rad] and relaxation time [s] of the
+Maxwell element; then the memory: whether the motion has begun, the last angle [rad], the Maxwell
+element's torque there [N·m], and the energy that both elements have dissipated [J].
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -26,7 +26,7 @@ def is_sound(rate):
 
 
 def carried(rate, other):
-    """Returns the array with the memory of another one; the Maxwell element's deflection stays."""
+    """Returns the parameters of `rate` with the memory of `other`; the deflection stays."""
     found = other.copy()
     found[:NUMBERS] = rate[:NUMBERS]
     found[TORQUE] *= rate[STIFFNESS] / other[STIFFNESS] if other[STIFFNESS] > 0 else 0.0
@@ -44,11 +44,11 @@ def torque_at(rate, angle, velocity):
 
 @njit(inline="always")
 def relax(rate, angle, elapsed):
-    """Moves on to an angle at a constant speed, in place; both elements start relaxed.
+    """Moves `rate` to an angle at a constant speed, in place; both elements start relaxed.
 
-    For a constant speed the Maxwell element is solved exactly: its torque goes from T to
-    k tau v + (T - k tau v) exp(-t / tau), and it dissipates its work less what its spring stores,
-    which is the integral of T^2 / (k tau) and so never negative.
+    For a constant speed v the solution is exact: the Maxwell element's torque goes from T to
+    k tau v + (T - k tau v) exp(-t / tau), and the element dissipates the integral of
+    T^2 / (k tau), which is its work less the change of the stored energy.
     """
     if rate[BEGUN] == 0:
         rate[BEGUN], rate[ANGLE] = 1.0, angle

@@ -11,7 +11,9 @@ import math
 
 from numba import njit
 
-TOLERANCE = 1e-12  # last Taylor term, relative to w; the rest is about 1/20 of it
+TOLERANCE = (
+    1e-12  # last Taylor term, relative to w; all later terms together are about 1/20 of this term
+)
 SERIES_BELOW, SERIES_END = 0.125, 0.25  # values of w^n at which the series begins and ends
 SATURATED = 2e-15  # distance from the fixed point w = 1 that rounding cannot resolve
 FAR = 1e16  # value of w^n beyond which the 1 in dw/dx is lost in rounding
@@ -67,8 +69,8 @@ def taylor(w, u, sigma, h, per_n):
     area = g4 / 5 + h * (g5 / 6 + h * (g6 / 7 + h * g7 / 8))
     area = h * (w * p0 + h * (g1 / 2 + h * (g2 / 3 + h * (g3 / 4 + h * area))))
 
-    # At the tolerance each term is some 1/30 of the one before it (1e-12^(1/8)), so the last one
-    # bounds all that is left out; 5 % of the 7th stands in where the 8th happens to vanish.
+    # At the tolerance each term is some 1/30 of the previous term (1e-12^(1/8)), so the last term
+    # bounds all later terms; 5 % of the 7th stands in where the 8th happens to vanish.
     last = h * h * h * h
     last = last * last * max(abs(v8), 0.05 * abs(v7 / h))
     return gain * per_n, area * per_n, last * per_n * r
@@ -96,7 +98,7 @@ def time_and_area(w, u, sigma, n):
 
 @njit(cache=True, error_model="numpy")
 def near_zero(w, u, x, sigma, direction, n):
-    """Solves `flow` as far as the series reaches; returns w, the rest of x, the integral."""
+    """Solves `flow` up to the end of the series; returns w, the rest of x, the integral."""
     time, area = time_and_area(w, u, sigma, n)
     target = time + direction * x
     if target <= 0:

@@ -42,7 +42,7 @@ def move(p, s, angle):
     n, A = p[POWER], p[SLOPE]
     y = delta * s[Z]
     loss = 0.0
-    # A motion against z unloads first; `rest` is the part of it that is left at z = 0.
+    # A motion against z unloads first; `rest` is the part of the motion that is left at z = 0.
     if y < 0:
         Y, sigma = p[UNLOADING_SCALE], p[UNLOADING_SIGN]
         w, rest, area = flow(-y / Y, tau * A / Y, sigma, -1.0, n)
@@ -68,7 +68,7 @@ def memory_variable(p, s, angle, torque):
 
 @njit(cache=True, error_model="numpy")
 def bound(p):
-    """Returns the |z| [rad] that no motion from a lower one exceeds (`BoucWen.certificate`)."""
+    """Returns `BoucWen.z_bound` [rad], which `BoucWen.certificate` proves."""
     if p[LOADING_SIGN] <= 0:
         return math.inf
     if p[UNLOADING_SIGN] > 0 and p[UNLOADING_SCALE] < p[LOADING_SCALE]:
@@ -123,9 +123,9 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether z stays finite and the joint only takes energy, at all angles, and `inside`.
+    """Returns whether z stays finite and no motion at any angles gains energy, and `inside`.
 
-    The signs of the branches decide hysteretic beta >= |hysteretic gamma|: neither gains energy.
+    The signs of both branches follow from hysteretic beta >= |hysteretic gamma|.
     """
     loading, unloading = p[LOADING_SIGN], p[UNLOADING_SIGN]
     if p[HYSTERETIC] > 0:
@@ -155,7 +155,7 @@ def memory_size(total):
 
 @njit(cache=True, error_model="numpy")
 def complaint(values, ends):
-    """Returns what is wrong with elastic, hysteretic, A, beta, gamma, n and the rest angle."""
+    """Returns the complaint about elastic, hysteretic, A, beta, gamma, n and the rest angle."""
     _, hysteretic, A, _, _, n, _ = values
     if hysteretic == 0:
         return NOT_ZERO, 1
@@ -168,7 +168,7 @@ def complaint(values, ends):
 
 @njit(cache=True, error_model="numpy")
 def configure(values, ends, p):
-    """Fills p with the values of `complaint`, and with the scale and sign of both branches."""
+    """Fills p with the values of all keys, and with the scale and sign of both branches."""
     elastic, hysteretic, A, beta, gamma, n, rest_angle = values
     p[ELASTIC], p[HYSTERETIC], p[REST], p[SLOPE], p[POWER] = elastic, hysteretic, rest_angle, A, n
     for at, curvature in ((LOADING_SCALE, beta + gamma), (UNLOADING_SCALE, gamma - beta)):

@@ -21,11 +21,10 @@ class BoucWen(HysteresisModel):
         T  = elastic (theta - rest_angle) + hysteretic z
         dz = A dtheta - beta |dtheta| |z|^(n-1) z - gamma dtheta |z|^n,    z in radians
 
-    beta opens the loop, gamma bends it (softening above -beta, hardening below), n sharpens the
-    yield. The scale of z is redundant: `normalized` removes it.
+    beta opens the loop, gamma bends the loop (softening above -beta, hardening below), n sharpens
+    the yield. The scale of z is redundant: `normalized` chooses the scale with A = 1.
 
-    The joint stores elastic (theta - rest_angle)^2 / 2 + hysteretic z^2 / (2 A). It dissipates the
-    rest of the work, at the rate
+    The joint stores elastic (theta - rest_angle)^2 / 2 + hysteretic z^2 / (2 A), and dissipates
 
         hysteretic / A (beta + gamma sign(z dtheta)) |z|^(n+1) |dtheta|.
 
@@ -102,25 +101,19 @@ class BoucWen(HysteresisModel):
         )
 
     @classmethod
-    def from_stiffness_ratio(
-        cls,
-        *,
-        k: float,
-        alpha: float,
-        **others: float,
-    ) -> "BoucWen":
+    def from_stiffness_ratio(cls, *, k: float, alpha: float, **others: float) -> "BoucWen":
         """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
 
         Args:
             k: Stiffness before yield, for A = 1 [N·m/rad].
-            alpha: Ratio of the stiffness after yield to k, not 1.
-            **others: The other parameters of the class.
+            alpha: Stiffness after yield as a share of k, not 1.
+            **others: Other parameters of the class.
         """
         k, alpha = number("k", k), number("alpha", alpha)
         return cls(elastic=alpha * k, hysteretic=(1 - alpha) * k, **others)
 
     def normalized(self) -> "BoucWen":
-        """Returns the same model with A = 1, where z is an angle of the hysteretic spring."""
+        """Returns the model with A = 1 that has the same torque in every motion."""
         shape = self.A ** (self.n - 1)
         return replace(
             self,
@@ -131,7 +124,7 @@ class BoucWen(HysteresisModel):
         )
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; z stays, within the bound of this one."""
+        """Returns the memory that continues another model's; z stays, within `z_bound`."""
         largest = float(kernels.bound(self._parameters))
         z = min(max(float(memory[kernels.Z]), -largest), largest)
         elastic = self.elastic * (float(memory[kernels.ANGLE]) - self.rest_angle)
@@ -152,7 +145,7 @@ class BoucWen(HysteresisModel):
 
     @property
     def z_bound(self) -> float:
-        """Value of |z| [rad] that no motion from a lower one exceeds; infinite if there is none."""
+        """Limit of |z| [rad] for every motion that starts within; infinite for no limit."""
         return float(kernels.bound(self._parameters))
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:

@@ -2,11 +2,11 @@
 
 With d = sign(dtheta), the friction F of that way, w = d z / F and x = stiffness |dtheta| / F the
 model reads dw/dx = 1 - w, so that w approaches 1 exponentially. A motion dissipates F^2 / stiffness
-times the integral of w^2 dx. Completing the square, that integral is
+times the integral of w^2 dx. By completion of the square, the integral is
 
     (1 - exp(-2x)) / 2 (w + t)^2 + x - 2t,    t = tanh(x / 2)
 
-where no part is ever negative.
+where no term is ever negative.
 
 Parameters p = [stiffness, friction up, friction down, coefficients of the spring].
 """
@@ -102,7 +102,7 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns that the model is certified, whatever its parameters, and the margin `inside`."""
+    """Returns `(True, inside)`, since a model with any parameters is certified."""
     return True, inside
 
 
@@ -126,7 +126,7 @@ def memory_size(total):
 
 @njit(cache=True, error_model="numpy")
 def complaint(values, ends):
-    """Returns what is wrong with the spring, the stiffness, and one friction or one a way."""
+    """Returns the complaint about the spring, the stiffness, and one or two frictions."""
     count = ends[0]
     if not 1 <= count <= MOST_COEFFICIENTS:
         return FEW, 0
@@ -138,7 +138,7 @@ def complaint(values, ends):
 
 @njit(cache=True, error_model="numpy")
 def configure(values, ends, p):
-    """Fills p from the values of `complaint`."""
+    """Fills p from the values of all keys."""
     count = ends[0]
     p[STIFFNESS], p[UP], p[DOWN] = values[count], values[count + 1], values[-1]
     p[SPRING:] = values[:count]

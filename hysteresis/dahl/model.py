@@ -22,7 +22,7 @@ UNITS = {"spring": POLYNOMIAL, "stiffness": "N·m/rad"}
 
 @dataclass(frozen=True, kw_only=True)
 class Semilinear(HysteresisModel):
-    """What `Dahl` and `Duhem` share."""
+    """The base of `Dahl` and `Duhem`."""
 
     kernels: ClassVar[ModuleType] = kernels
 
@@ -30,13 +30,13 @@ class Semilinear(HysteresisModel):
     stiffness: float
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """States what holds for every motion, whatever the parameters.
+        """Returns the certificate, which holds for all parameters and every motion.
 
-        Upwards z approaches friction_up and downwards -friction_down, so that it never leaves the
-        range between them, and the stiffness is finite everywhere. The spring stores the integral
-        of p, and the friction z^2 / (2 stiffness). With dz of the class, what is left of the work
-        z dtheta is z^2 / friction_up |dtheta| upwards and z^2 / friction_down |dtheta| downwards:
-        the model dissipates, from any start. The memory bound is the smaller friction.
+        Upwards z approaches friction_up and downwards -friction_down, so that z never leaves the
+        range between these limits, and the stiffness is finite everywhere. The spring stores the
+        integral of p, and the friction z^2 / (2 stiffness). The rest of the work z dtheta is
+        z^2 / friction_up |dtheta| upwards and z^2 / friction_down |dtheta| downwards: the model
+        dissipates, from any start. The memory bound is the smaller friction.
         """
         low, high = checked_range(angle_range)
         _, up, down = self.parameter_vector[: kernels.SPRING].tolist()
@@ -50,7 +50,7 @@ class Semilinear(HysteresisModel):
         )
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; the share of z in its limit stays."""
+        """Returns the memory that continues another model's; the share of z in its limit stays."""
         z = float(memory[kernels.Z])
         limit = kernels.UP if z > 0 else kernels.DOWN
         z *= float(self.parameter_vector[limit]) / float(parameters[limit])
@@ -60,13 +60,13 @@ class Semilinear(HysteresisModel):
 
 @dataclass(frozen=True, kw_only=True)
 class Dahl(Semilinear):
-    """A polynomial spring beside Dahl's friction, which is the least memory that a joint can have.
+    """A polynomial spring beside Dahl's friction, with one number of memory.
 
         T = p(theta) + z,    dz = stiffness (1 - sign(dtheta) z / friction) dtheta
 
-    (Dahl 1968, "A solid friction model", with the exponent 1.) With a straight spring it is a
-    Bouc-Wen model of n = 1 and gamma = 0. It stores the integral of p and z^2 / (2 stiffness), and
-    dissipates z^2 / friction |dtheta|.
+    (Dahl 1968, "A solid friction model", with the exponent 1.) With a straight spring this is a
+    Bouc-Wen model of n = 1 and gamma = 0. The joint stores the integral of p and
+    z^2 / (2 stiffness), and dissipates z^2 / friction |dtheta|.
 
     Attributes:
         spring: Coefficients of p, constant first, one to six [N·m/rad^i].
@@ -84,7 +84,7 @@ class Dahl(Semilinear):
 
 @dataclass(frozen=True, kw_only=True)
 class Duhem(Semilinear):
-    """A polynomial spring beside a friction whose ways up and down are unlike.
+    """A polynomial spring beside a friction that differs between upwards and downwards.
 
         T  = p(theta) + z
         dz = stiffness (1 - z / friction_up) dtheta       upwards
@@ -92,7 +92,7 @@ class Duhem(Semilinear):
 
     Every semilinear Duhem model (Macki, Nistri and Zecca 1993; Padthe, Oh and Bernstein 2008) that
     approaches a higher limit upwards than downwards, each at a rate of its own, is of this form:
-    see `from_limits`. With equal frictions it is `Dahl`.
+    see `from_limits`. With equal frictions the model is `Dahl`.
 
     Attributes:
         spring: Coefficients of p, constant first, one to six [N·m/rad^i].
@@ -125,16 +125,14 @@ class Duhem(Semilinear):
         limit_down: float,
         spring: Numbers = (0.0,),
     ) -> "Duhem":
-        """Returns the model of a torque that approaches one limit upwards and another downwards.
+        """Returns the model of a torque with one limit upwards and another limit downwards.
 
             T = p(theta) + y,    dy = rate_up (limit_up - y) dtheta       upwards
                                  dy = rate_down (y - limit_down) dtheta   downwards
 
-        Upwards the slope falls with y, from a positive value at limit_down to 0 at limit_up;
-        downwards it rises from 0 to a positive value. So there is one y in between at which both
-        slopes are the same, y0 = (rate_up limit_up + rate_down limit_down) / (rate_up + rate_down).
-        With z = y - y0, and y0 as a part of the spring, that slope is the stiffness, and the limits
-        of z have opposite signs.
+        Both slopes are equal at y0 = (rate_up limit_up + rate_down limit_down) / (rate_up +
+        rate_down), between the limits. With z = y - y0, and y0 as a part of the spring, the slope
+        at y0 is the stiffness, and the limits of z have opposite signs.
 
         Args:
             rate_up: Rate of the approach upwards, > 0 [1/rad].
@@ -149,8 +147,8 @@ class Duhem(Semilinear):
         width = number("limit_up", limit_up, "N·m") - number("limit_down", limit_down, "N·m")
         if not width > 0:
             raise InputError(
-                f"limit_down is {limit_down} N·m: it must be below limit_up, which is {limit_up}, "
-                "or the model would drive the joint"
+                f"limit_down is {limit_down} N·m: give a limit below limit_up, which is "
+                f"{limit_up}, or the model would drive the joint"
             )
         up = rate_down / (rate_up + rate_down) * width
         constant, *bend = coefficients("spring", spring)

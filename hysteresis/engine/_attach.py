@@ -1,4 +1,4 @@
-"""Attaches a hysteresis model to a joint of any MuJoCo model, and replaces it there."""
+"""Attaches hysteresis models to joints of any MuJoCo model, and replaces attached models."""
 
 import math
 import re
@@ -52,10 +52,10 @@ def attach(
     """Makes `joint` resist its motion with the hysteretic torque of `model`.
 
     The torque acts as a generalized force (in `qfrc_passive`) at every physics step, under every
-    integrator. A reset starts the memory at (start_angle, start_torque) and moves it through
-    `start_path`, as `HysteresisModel.response` would. A keyframe or a written `qpos` acts like one
-    monotone motion from there, but the memory follows only at the end of a step: if that step turns
-    back, the written position does not count as a turning point.
+    integrator. A reset starts the memory at (start_angle, start_torque) and moves the memory
+    through `start_path`, as `HysteresisModel.response` would. A keyframe or a written `qpos` acts
+    like one monotone motion from there, but the memory follows only at the end of a step: if that
+    step turns back, the written position does not count as a turning point.
 
     `sensors` adds three sensors: `<joint>_suit_torque`, the torque that acts on the joint [N·m];
     `<joint>_suit_stiffness`, dM/dtheta in the current direction of motion [N·m/rad]; and
@@ -65,25 +65,23 @@ def attach(
     renames its joints, but not the joint in the plugin's config.
 
     Args:
-        spec: Any model specification; it is changed in place.
+        spec: Any model specification, which is changed in place.
         joint: Name of a hinge joint (rad) or a slide joint (m, taken as the model's angle).
         model: Model of the resistance, which is positive against positive motion.
         start_angle: Angle at which the memory begins [rad]; by default the joint's reference
             position.
         start_torque: Resistance at that angle [N·m].
-        start_path: Angles that the memory then goes through [rad], in a monotone motion each; it
-            ends at the last of them. What they dissipate counts as dissipated energy.
+        start_path: Angles through which the memory then moves [rad], in a monotone motion each. The
+            energy that these motions dissipate counts as dissipated.
         sensors: Whether to add the three sensors.
         allow_uncertified: Whether to accept a model without a certificate. At a pole the simulation
             then keeps the last valid torque, sets the fault flag and warns.
         taken_off: Whether the model gives no torque until `replace_model` puts one of its kind on.
-            A joint may have several of these beside the one that resists it; their names, and those
-            of their sensors, have a number: `<joint>_suit_2`.
+            A joint may have several such models beside the model that resists; the names of these
+            models and of their sensors have a number: `<joint>_suit_2`.
 
     Raises:
-        InputError: There is no such joint, it is neither hinge nor slide, it has a hysteresis model
-            already, `model` is not registered, or the path is not of finite numbers.
-        UncertifiedModelError: The model has no certificate, or its start is outside of it.
+        UncertifiedModelError: The model has no certificate, or the start is outside of it.
         PoleError: The path meets the pole of an uncertified model.
     """
     target = _target(spec, joint)
@@ -138,12 +136,11 @@ def _target(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsJoint:
 
 
 def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
-    """Returns where in `data.plugin_state` each hysteretic joint keeps its fault flag.
+    """Returns the place of each hysteretic joint's fault flag in `data.plugin_state`.
 
-    A flag is 2 where the model is taken off. It is 1 from the moment at which a motion meets the
-    model's pole until the next reset. Meanwhile the joint's torque is constant, and MuJoCo logs a
-    warning. Certified models never set it. With MuJoCo's `autoreset` on, a simulation that goes on
-    to diverge is reset, and its flags too.
+    A flag is 2 where the model is taken off, and 1 from a motion that meets the model's pole until
+    the next reset. Meanwhile the joint's torque is constant, and MuJoCo logs a warning. Certified
+    models never set the flag. MuJoCo's `autoreset` resets the flags of a simulation that diverges.
     """
     ours = np.flatnonzero(np.isin(model.plugin, list(register().values())))
     return model.plugin_stateadr[ours].astype(np.int64) + FAULT
@@ -163,40 +160,36 @@ def replace_model(
 ) -> None:
     """Gives one simulation another model of the same kind and size, as in a randomized batch.
 
-    Where several kinds are attached to the joint, it takes the place of the one of its kind, and
-    all others are taken off.
+    Where models of several kinds are attached to the joint, the new model replaces the model of its
+    kind, and all other models are taken off.
 
     Parameters and memory are part of the simulation's state, so each row of a batch may have its
-    own. The memory starts again, by default where that of the compiled model does, and
-    `mj_forward` brings forces and sensors up to date. A reset brings the compiled model's
-    parameters back.
+    own. The memory starts again, by default at the start of the compiled model, and `mj_forward`
+    brings forces and sensors up to date. A reset brings the compiled model's parameters back.
 
-    With `keep_memory` the model goes on where the present one is, as a slider needs that changes
-    parameters during a motion: its inner state stays, so the torque changes no more than the
-    parameters do. What stays is M / Ms of Jiles-Atherton, z of Bouc-Wen, the share of the friction
-    in its limit of Dahl and Duhem, the strain of each stop of Prandtl-Ishlinskii and hinged stops,
-    the turning points of Preisach, the angle of the suit's side in a play, the deflection of a
-    Maxwell element, and the torque of a model from another package, unless that says otherwise. A
-    state that the new parameters limit more tightly is at that limit. The dissipated energy goes on
+    With `keep_memory` the new model continues the motion of the present model, as for a slider that
+    changes parameters during a motion. The inner state stays, so the torque changes no more than
+    the parameters do: M / Ms of Jiles-Atherton, z of Bouc-Wen, the share of the friction in its
+    limit of Dahl and Duhem, the strain of each stop of Prandtl-Ishlinskii and hinged stops, the
+    turning points of Preisach, the angle of the suit's side in a play, the deflection of a Maxwell
+    element, and the torque of a model from another package without a `carry_over` of its own. A
+    state beyond a limit of the new parameters moves to that limit. The dissipated energy goes on
     from its value.
 
     Args:
         mj_model: Compiled model, with a hysteresis model attached to `joint`.
-        plugin_state: The array `data.plugin_state`, or one simulation's row of a batch; it is
+        plugin_state: The array `data.plugin_state`, or one simulation's row of a batch, which is
             changed in place.
         joint: Name of the joint.
         model: New hysteresis model.
-        start_angle: Angle at which its memory begins [rad]; by default that of the compiled model.
-        start_torque: Resistance at that angle [N·m]; by default that of the compiled model.
-        start_path: Angles that its memory then goes through [rad]; by default those of the compiled
-            model.
-        keep_memory: Whether the model goes on from the present memory, without a start of its own.
+        start_angle: Angle at which the memory begins [rad]; None takes the compiled model's.
+        start_torque: Resistance at that angle [N·m]; None takes the compiled model's.
+        start_path: Angles of motions after the start [rad]; None takes the compiled model's.
+        keep_memory: Whether the new model continues the present motion, without a start.
         allow_uncertified: Whether to accept a model without a certificate.
 
     Raises:
-        InputError: The joint has no hysteresis model, or one of another kind or size; or there is
-            no memory to keep, since the model was taken off or has met a pole.
-        UncertifiedModelError: The model has no certificate, or its start is outside of it.
+        UncertifiedModelError: The model has no certificate, or the start is outside of it.
     """
     instances = _instances_at(mj_model, joint)
     _require_model(model)
@@ -234,11 +227,13 @@ def replace_model(
         if rate.size:
             rate = viscoelastic.carried(rate, state[-play.size - rate.size :][: rate.size])
     else:
-        angle, torque, path = _compiled_start(mj_model, instance, joint)
-        start = model.start(
-            angle if start_angle is None else start_angle,
-            torque if start_torque is None else start_torque,
-        )
+        values = _compiled_config(mj_model, instance)
+        path = [float(angle) for angle in values[START_PATH].split()]
+        if start_angle is None:
+            start_angle = float(values[START_ANGLE] or mj_model.joint(joint).qpos0[0])
+        if start_torque is None:
+            start_torque = float(values[START_TORQUE] or 0.0)
+        start = model.start(start_angle, start_torque)
     if not allow_uncertified:
         require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
@@ -252,7 +247,7 @@ def replace_model(
 
 
 def _kept(model: HysteresisModel, state: Array, joint: str) -> State:
-    """Returns the state of a model that takes over the memory in an instance's part of a state."""
+    """Returns the state of a model that continues the motion in an instance's part of a state."""
     if state[FAULT] != 0:
         why = "it is taken off" if state[FAULT] == OFF else "its torque has met a pole"
         raise InputError(
@@ -272,18 +267,14 @@ def _kept(model: HysteresisModel, state: Array, joint: str) -> State:
 def take_off(mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], joint: str) -> None:
     """Removes the hysteretic torque of a joint in one simulation, until `replace_model` or a reset.
 
-    Args:
-        mj_model: Compiled model, with a hysteresis model attached to `joint`.
-        plugin_state: The array `data.plugin_state`, or one simulation's row of a batch; it is
-            changed in place.
-        joint: Name of the joint.
+    `plugin_state` is `data.plugin_state`, or a row of a batch, and is changed in place.
     """
     for instance in _instances_at(mj_model, joint):
         plugin_state[mj_model.plugin_stateadr[instance] + FAULT] = OFF
 
 
 def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
-    """Returns whether `replace_model` can put one model where the other was attached."""
+    """Returns whether `replace_model` can replace one of two models by the other."""
     return _layout(model) == _layout(other)
 
 
@@ -295,7 +286,7 @@ def _layout(model: HysteresisModel) -> tuple[int, ...]:
 
 
 def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
-    """Returns the layout of a compiled instance; its config has the parts around the model."""
+    """Returns the layout of a compiled instance; the config has the parts around the model."""
     values = _compiled_config(mj_model, instance)
     polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
     rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
@@ -322,26 +313,12 @@ def _compiled_config(mj_model: mujoco.MjModel, instance: int) -> list[str]:
     return [value.decode() for value in text.split(b"\0")]
 
 
-def _compiled_start(
-    mj_model: mujoco.MjModel, instance: int, joint: str
-) -> tuple[float, float, list[float]]:
-    """Returns angle [rad] and torque [N·m] at which an instance's memory starts, and its path."""
-    values = _compiled_config(mj_model, instance)
-    reference = float(mj_model.joint(joint).qpos0[0])
-    path = [float(angle) for angle in values[START_PATH].split()]
-    return (
-        float(values[START_ANGLE] or reference),
-        float(values[START_TORQUE] or 0.0),
-        path,
-    )
-
-
 def _require_model(model: object) -> None:
     bare = parts(model).bare if isinstance(model, HysteresisModel) else None
     if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
-            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
-            "one that was registered with register_model"
+            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or a "
+            "model of a class that register_model has registered"
         )
 
 

@@ -64,9 +64,9 @@ def angle_of(m, d, joint, at):
 
 @njit(inline="always")
 def suit_side(kernels, p, memory, polynomial, limits, play, fault, angle):
-    """Returns the angle of the suit's side of a gap, if there is one, at a trial angle.
+    """Returns the angle of the suit's side at a trial angle, or the angle itself without a gap.
 
-    If the state is not sound, this is its last angle.
+    In a state that is not sound the suit's side stays at its last angle.
     """
     if play.size == 0:
         return angle
@@ -77,16 +77,8 @@ def suit_side(kernels, p, memory, polynomial, limits, play, fault, angle):
 
 
 @njit(inline="always")
-def is_loose(polynomial, play, end, torque, angle, delta):
-    """Returns whether there is play in which a motion that goes on meets no torque at first."""
-    if play.size == 0:
-        return False
-    return backlash.is_free(torque + value_of(polynomial, end), play, end, angle, delta)
-
-
-@njit(inline="always")
 def reached(kernels, p, memory, fault, angle):
-    """Returns angle, torque and loss at a trial angle, or of the memory where it has no torque."""
+    """Returns (angle, torque, loss) at a trial angle, or of the memory where the torque is NaN."""
     # The angles are equal after every step, when the memory has just been moved there.
     if angle != memory[0] and fault == 0 and kernels.is_sound(p):
         torque, loss = kernels.move(p, memory, angle)[:2]
@@ -120,7 +112,7 @@ def evaluate(kernels, m, d, instance, capability, at):
     position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], joint_angle)
     inside = within(limits, position)
     angle, torque, loss = reached(kernels, p, memory, fault[0], inside)
-    if angle != inside:  # there is no torque at the position
+    if angle != inside:  # the torque at the position is NaN
         position = angle
     total = torque + value_of(polynomial, position)
     dof = native.int32_at(native.pointer_at(m + at.m_jnt_dofadr), joint)
@@ -140,10 +132,10 @@ def evaluate(kernels, m, d, instance, capability, at):
         slope = slope_of(polynomial, position)
         if limits.size == 0 or limits[0] < position < limits[1]:
             slope += kernels.stiffness(p, memory, angle, torque, delta)
-        loose = is_loose(polynomial, play, position, torque, joint_angle, delta)
-        native.sensor_values(m, d, sensor_of(ids, STIFFNESS_SENSOR), 1, at)[0] = (
-            0.0 if loose else slope
-        )
+        held = torque + value_of(polynomial, position)
+        free = play.size > 0 and backlash.is_free(held, play, position, joint_angle, delta)
+        shown = 0.0 if free else slope
+        native.sensor_values(m, d, sensor_of(ids, STIFFNESS_SENSOR), 1, at)[0] = shown
     if sensor_of(ids, ENERGY_SENSOR) >= 0:
         lost = kernels.dissipated(p, memory, angle, torque, loss)
         if rate.size:
@@ -154,11 +146,8 @@ def evaluate(kernels, m, d, instance, capability, at):
 def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...], at: Layout) -> Any:
     """Compiles the callbacks of one model (cached on disk per model and native.layout).
 
-    Args:
-        kernels: Module of the model's kernels.
-        kinds: Kinds of the model's own config keys, as `_configuration` numbers them.
-        words: Words that each of these keys may hold, with blanks between them; empty for numbers.
-        at: Layout of MuJoCo's structs.
+    `kinds` has the kinds of the model's own config keys, as `_configuration` numbers them, and
+    `words` the allowed words of each key, with blanks between words; empty for numbers.
     """
 
     @native.callback
@@ -200,13 +189,13 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         address, size = native.state_of(m, d, instance, at), native.state_size(m, instance, at)
         fault, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
         position = angle_of(m, d, joint_of(ids), at)
+        sound = play.size == 0 or backlash.is_sound(play)
         if rate.size and fault[0] != OFF and math.isfinite(position):
             if viscoelastic.is_sound(rate):
                 viscoelastic.relax(rate, position, native.doubles(m + at.m_opt__timestep, 1)[0])
-            elif fault[0] == 0:
-                fault[0] = 1.0
-                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
-        if play.size and fault[0] == 0 and not backlash.is_sound(play):
+            else:
+                sound = False
+        if fault[0] == 0 and not sound:
             fault[0] = 1.0
             complain_of(kernels, words, m, instance, (POLE, JOINT), at)
         position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
@@ -214,7 +203,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         if fault[0] != 0 or not math.isfinite(angle):
             return
         if angle != memory[0]:
-            # At a pole the torque stays as it was, and the flag is set until a reset.
+            # At a pole the torque stays constant, and the flag is set until a reset.
             if not kernels.is_sound(p) or math.isnan(kernels.commit(p, memory, angle)):
                 fault[0] = 1.0
                 complain_of(kernels, words, m, instance, (POLE, JOINT), at)
@@ -231,11 +220,7 @@ def plugin_name(model: type[HysteresisModel]) -> str:
 
 
 def register() -> dict[str, int]:
-    """Registers a plugin for each model with MuJoCo, once; returns their slots by plugin name.
-
-    Raises:
-        RuntimeError: The structs of the installed MuJoCo are not as it describes them.
-    """
+    """Registers a plugin for each model with MuJoCo, once; returns their slots by plugin name."""
     bare = [model for model in MODELS.values() if not issubclass(model, Wrapper)]
     return {plugin_name(model): _register(model) for model in bare}
 

@@ -1,16 +1,15 @@
 """Sets an instance up from its MJCF config: its joint, sensors, parameters and memory.
 
-`kernels` is the module of the model's kernels; `kinds` and `words` say what the model's own config
-keys hold, in the order of the keys. A fault is a reason and the config key that it is about:
-`JOINT` where it is about the instance as a whole. Reasons from `MODEL` on are the model's own
-complaints (`COMPLAINTS` of its kernels).
+`kernels` is the module of the model's kernels; `kinds` and `words` have the kind and the allowed
+words of each of the model's own config keys. A fault is a reason and the wrong config key, which is
+`JOINT` for a fault of the whole instance. Reasons from `MODEL` on are the model's own complaints
+(`COMPLAINTS` of its kernels).
 
 `mjData.plugin_state` holds the physical state of an instance: fault flag, memory, parameters
-(radians), the elastic polynomial, the range, the viscoelastic part and the play. They are saved,
-copied and batched with the rest of the state, and may differ between simulations.
-`mjData.plugin_data` holds what follows from the MuJoCo model: the ids of the joint and of the
-sensors, packed into one integer. A state may be set on any MuJoCo model: the ids always fit the
-model at hand, and so do the sizes, which come from mjModel.
+(radians), the elastic polynomial, the range, the viscoelastic part and the play. These numbers are
+saved, copied and batched with the rest of the state, and may differ between simulations.
+`mjData.plugin_data` holds the ids of the joint and of the sensors, packed into one integer. A state
+may be set on any MuJoCo model: ids and sizes come from the model at hand.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -28,8 +27,8 @@ from ..polynomial import value_of
 from . import native
 
 FAULT, MEMORY = 0, 1
-OFF = 2.0  # flag of an instance that is taken off: it gives no torque
-POLYNOMIAL_LIMIT = 6  # number of coefficients, those of angle^0 to angle^5
+OFF = 2.0  # flag of an instance that is taken off and gives no torque
+POLYNOMIAL_LIMIT = 6  # number of coefficients, of angle^0 to angle^5
 
 # A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits), whether the
 # torque is constant outside a range, whether there is a viscoelastic part and whether there is play
@@ -60,15 +59,10 @@ not give back machine code of an older version.
 
 @njit(inline="always")
 def parts(kernels, ids, address, size):
-    """Returns views of the parts of a state.
-
-    They are fault flag, memory, parameters, polynomial, range, viscoelastic part, play.
-    """
+    """Returns views of a state's flag, memory, parameters, polynomial, range, rate and play."""
     polynomial, limits = (ids >> POLYNOMIAL_SHIFT) & 7, 2 * ((ids >> HELD_SHIFT) & 1)
-    rate, play = (
-        viscoelastic.SIZE * ((ids >> VISCOELASTIC_SHIFT) & 1),
-        backlash.SIZE * (ids >> PLAY_SHIFT),
-    )
+    rate = viscoelastic.SIZE * ((ids >> VISCOELASTIC_SHIFT) & 1)
+    play = backlash.SIZE * (ids >> PLAY_SHIFT)
     own = size - MEMORY - polynomial - limits - rate - play
     memory = kernels.memory_size(own)
     start = address + 8 * MEMORY
@@ -102,8 +96,8 @@ def sensor_of(ids, kind):
     return native.packed(ids, kind, WIDTH)
 
 
-# Config keys of every model; the model's own follow. All numbers are NumPy's: for each number of
-# Python numba would compile functions anew.
+# Config keys of every model; the model's own keys follow. The numbers are of NumPy, since numba
+# would compile functions anew for each number of Python.
 COMMON_KEYS = tuple(
     "joint start_angle start_torque start_path polynomial angle_range viscoelastic gap "
     "allow_uncertified taken_off".split()
@@ -118,8 +112,8 @@ SENTENCES = (  # order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
     b"after a spec got its name prefix",
-    b"it is not a hinge or a slide joint; name one",
-    b"another instance resists it already; give each joint one, and take the others off",
+    b"the joint is not a hinge or a slide joint; name a hinge or a slide",
+    b"another instance resists the joint already; give each joint one, and take the others off",
     b"give one number, 0 or 1e-100 to 1e100 in size",
     b"give numbers, 0 or 1e-100 to 1e100 in size, with blanks between them",
     b"use ",
@@ -131,13 +125,13 @@ SENTENCES = (  # order of the names above
     b"use true or false",
     b"its parameters have no certificate (a motion could meet infinite torque, or "
     b"gain energy); set allow_uncertified to true to run anyway",
-    b"it starts too far from rest for the certificate; change start_angle or start_torque",
-    b"it cannot have start_torque at start_angle; start nearer to 0",
+    b"the model starts too far from rest for the certificate; change start_angle or start_torque",
+    b"the model cannot have start_torque at start_angle; start nearer to 0",
     b"its torque becomes infinite on the way; stay nearer to the start",
     b"the name of each of its sensors must end in torque, stiffness or energy, "
-    b"which is what it measures",
+    b"which is the measured quantity",
     b"two of its sensors measure the same; leave one out",
-    b"the model has more than 16383 joints or sensors; make it smaller",
+    b"the model has more than 16383 joints or sensors; make the model smaller",
     b"its torque met a pole (or the parameters in its state are out of range); the torque stays "
     b"at its last valid value, and the fault flag is set",
 )
@@ -145,7 +139,6 @@ MODEL = len(SENTENCES)
 
 # Kinds of config keys. The number of an optional kind is `OPTIONAL` more.
 A_NUMBER, A_LIST, A_WORD, OPTIONAL = 0, 1, 2, 3
-SECOND_COMMON_KEY = COMMON_KEYS[1].encode()
 
 
 @inner(cache=False)
@@ -164,12 +157,12 @@ def complain_of(kernels, words, m, instance, fault, at):
 
 @inner
 def is_hysteretic(m, instance, at):
-    """Returns whether an instance has a hysteresis plugin: the config keys of all begin alike."""
+    """Returns whether an instance has a hysteresis plugin, by the first two config keys."""
     if not native.starts_with(native.plugin_name(m, instance, at), b"activesuit."):
         return False
-    return native.equals(native.key_name(m, instance, JOINT, at), b"joint") and native.equals(
-        native.key_name(m, instance, START_ANGLE, at), SECOND_COMMON_KEY
-    )
+    if native.choice_of(native.key_name(m, instance, JOINT, at), b"joint") != 0:
+        return False
+    return native.choice_of(native.key_name(m, instance, START_ANGLE, at), b"start_angle") == 0
 
 
 @inner
@@ -214,10 +207,9 @@ def connect(m, instance, at):
 def count_values(m, instance, kinds, counts, at):
     """Fills `counts` with how many values each of the model's own keys has."""
     for i in range(len(kinds)):
-        is_list = kinds[i] % OPTIONAL == A_LIST
-        counts[i] = (
-            native.count_words(native.config(m, instance, FIRST_KEY + i, at)) if is_list else 1
-        )
+        counts[i] = 1
+        if kinds[i] % OPTIONAL == A_LIST:
+            counts[i] = native.count_words(native.config(m, instance, FIRST_KEY + i, at))
 
 
 @njit(inline="always")
@@ -236,12 +228,9 @@ def read_values(m, instance, kinds, words, counts, values, at):
     """Fills `values` with the values of all keys, one key after the other; returns a fault."""
     start = 0
     for i in range(len(kinds)):
-        text, part = (
-            native.config(m, instance, FIRST_KEY + i, at),
-            values[start : start + counts[i]],
-        )
+        text = native.config(m, instance, FIRST_KEY + i, at)
+        part, kind = values[start : start + counts[i]], kinds[i] % OPTIONAL
         start += counts[i]
-        kind = kinds[i] % OPTIONAL
         part[:] = 0.0
         if kinds[i] >= OPTIONAL and native.count_words(text) == 0:
             continue
@@ -258,7 +247,7 @@ def read_values(m, instance, kinds, words, counts, values, at):
 def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     """Fills the state from the config; returns a fault.
 
-    It is rarely called, so it is compiled once for a model and not inlined in its two callbacks.
+    Calls are rare, so the function is compiled once for a model, and not inlined in two callbacks.
     """
     flag, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
     flag[0] = 1.0
@@ -287,7 +276,7 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
 
 @inner
 def read_around(m, instance, polynomial, limits, rate, play, at):
-    """Reads the numbers of what is around the model, each part if there is one; returns a fault."""
+    """Reads polynomial, range, viscoelastic part and play, where given; returns a fault."""
     count = native.parse_numbers(native.config(m, instance, POLYNOMIAL, at), polynomial)
     if not 0 <= count <= POLYNOMIAL_LIMIT:
         return NUMBERS if count < 0 else TOO_MANY, POLYNOMIAL
@@ -331,10 +320,10 @@ def flag_of(m, instance, key, at):
 
 @njit(inline="always")
 def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
-    """Puts the memory at the start, by default the joint's reference position and no torque.
+    """Begins the memory at the start, and moves the memory along `start_path`; returns a fault.
 
-    From there it follows `start_path`. Returns a fault: also for a model without a certificate and
-    for a start outside of it, unless the config allows both.
+    A model without a certificate, or a start outside the certificate, is a fault too, unless the
+    config allows both.
     """
     fault, angle, torque = read_start(m, instance, joint, at)
     allowed = flag_of(m, instance, ALLOW, at)

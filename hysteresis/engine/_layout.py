@@ -31,8 +31,8 @@ SCALARS: dict[str, Any] = {
 }
 
 NESTED = {"opt": "mjOption"}  # structs inside mjModel, by field
-SENSOR, PASSIVE = 2, 4  # mjPLUGIN_SENSOR, mjPLUGIN_PASSIVE: the bindings do not export them
-CALLBACKS = (  # their addresses, in the order of mjpPlugin
+SENSOR, PASSIVE = 2, 4  # mjPLUGIN_SENSOR, mjPLUGIN_PASSIVE, which the bindings do not export
+CALLBACKS = (  # members of mjpPlugin with addresses of functions, in order
     "nstate nsensordata init destroy copy reset compute advance visualize actuator_act_dot "
     "sdf_distance sdf_gradient sdf_staticdistance sdf_attribute sdf_aabb".split()
 )
@@ -63,14 +63,10 @@ Layout = TypeVar("Layout", bound=tuple[Any, ...])
 def layout(kind: type[Layout]) -> Layout:
     """Returns the fields that a plugin asks for, found in the installed MuJoCo and checked.
 
-    Args:
-        kind: Named tuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
-            mjModel, `d_NAME` its byte offset in mjData, and the name of a value of a MuJoCo enum,
-            as `mjOBJ_JOINT`, becomes that value. `m_opt__NAME` is a field of a struct inside. Other
-            fields keep their defaults.
-
-    Raises:
-        RuntimeError: A field does not exist, or is not where MuJoCo says it is.
+    `kind` is a named tuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
+    mjModel, and `d_NAME` the byte offset of NAME in mjData. `m_opt__NAME` is a field of a struct
+    inside mjModel. The name of a value of a MuJoCo enum, as `mjOBJ_JOINT`, becomes that value.
+    Other fields keep their defaults.
     """
     found: dict[str, int] = {}
     fields: Any = kind
@@ -90,7 +86,7 @@ def struct(name: str) -> type[ctypes.Structure]:
 
 @cache
 def _offset(name: str) -> int:
-    """Returns the byte offset of a field, compared with where a real model and its data have it."""
+    """Returns the byte offset of a field, checked against a real model and its data."""
     outer, *inner = name[2:].split("__")
     try:
         field = getattr(struct("mjModel" if name[0] == "m" else "mjData"), outer)

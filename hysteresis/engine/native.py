@@ -15,12 +15,12 @@ The functions that a callback calls must be compiled too (`numba.njit`), and non
 
 Every function below takes the addresses of mjModel (`m`) or mjData (`d`), the number of the
 instance, and `at`, the `layout` of the plugin with the fields that the function names; `text` is
-the address of a C string. Several numbers of `bits` bits each stand in the pointer-sized word that
-an instance keeps. They count from 1, and 0 is none.
+the address of a C string. The pointer-sized word of an instance holds several numbers of `bits`
+bits each, which count from 1; 0 is none.
 
 C functions are bound by name, not by address, so that compiled callbacks can be cached on disk. A
-function with `cache=False` is compiled into the plugin's own code: a cache of it would contain the
-layout classes of all plugins, and would be unreadable without the module of one of them.
+function with `cache=False` is compiled into the plugin's own code: a cached function would contain
+the layout classes of all plugins, and would be unreadable without the module of each plugin.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false
@@ -66,17 +66,16 @@ def mujoco_library() -> ctypes.CDLL:
     )
 
 
-def _bind(symbol: str, function: object) -> None:
-    address = ctypes.cast(function, ctypes.c_void_p).value  # type: ignore[arg-type]
-    llvmlite.binding.add_symbol(symbol, address)
-
-
 _c_library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-_bind("activesuit_name2id", mujoco_library().mj_name2id)
-_bind("activesuit_plugin_at", mujoco_library().mjp_getPluginAtSlot)
-_bind("activesuit_warning", mujoco_library().mju_warning)
-_bind("activesuit_strtod", _c_library.strtod)
-_bind("activesuit_localeconv", _c_library.localeconv)
+for _symbol, _function in {
+    "name2id": mujoco_library().mj_name2id,
+    "plugin_at": mujoco_library().mjp_getPluginAtSlot,
+    "warning": mujoco_library().mju_warning,
+    "strtod": _c_library.strtod,
+    "localeconv": _c_library.localeconv,
+}.items():
+    _address = ctypes.cast(_function, ctypes.c_void_p).value  # type: ignore[arg-type]
+    llvmlite.binding.add_symbol(f"activesuit_{_symbol}", _address)
 
 name2id = types.ExternalFunction(
     "activesuit_name2id", types.int32(types.intp, types.int32, types.intp)
@@ -165,12 +164,6 @@ def starts_with(text, beginning):
 
 
 @inner
-def equals(text, word):
-    """Returns whether the C string at `text` is the bytes `word`."""
-    return is_word(text, word, 0, len(word))
-
-
-@inner
 def behind_blanks(text):
     """Returns the address of the first character at or after `text` that is not a blank."""
     while character_at(text) in BLANKS:
@@ -209,7 +202,7 @@ def behind_number(text):
 def to_number(text, end):
     """Returns the decimal number between two addresses, rounded as Python rounds it.
 
-    C's strtod does that, but it expects the decimal point of the process's locale.
+    C's strtod rounds so, but expects the decimal point of the process's locale.
     """
     point = pointer_at(localeconv())
     copy = np.zeros(end - text + length(point) + 1, np.uint8)
@@ -223,7 +216,7 @@ def to_number(text, end):
             copy[n] = character_at(i)
             n += 1
     value = strtod(copy.ctypes.data, 0)
-    return value if copy[n] == 0 else math.nan  # reading the copy last keeps it alive till then
+    return value if copy[n] == 0 else math.nan  # this use keeps the copy alive during `strtod`
 
 
 @inner
@@ -287,12 +280,12 @@ def add(sentence, n, words):
 def issue(sentence):
     """Issues a sentence as a MuJoCo warning."""
     warn(sentence.ctypes.data)
-    return sentence[0]  # the reference keeps it alive till here
+    return sentence[0]  # this use keeps the sentence alive during `warn`
 
 
 @inner
 def choice_of(text, words):
-    """Returns which word of `words`, as b"rad deg", the C string `text` is; -1 for none."""
+    """Returns the index of the C string `text` among `words`, as b"rad deg"; -1 for none."""
     number, start = 0, 0
     for end in range(len(words) + 1):
         if end == len(words) or words[end] == ord(" "):
@@ -416,10 +409,10 @@ def sensor_values(m, d, sensor, count, at):
 def begin_complaint(m, instance, noun, subject, key, at):
     """Begins a sentence about a config: "PLUGIN of NOUN 'SUBJECT': KEY is 'VALUE': ".
 
-    The noun is the thing that the instance acts on, as b"joint", and `subject` the number of the
-    config key that names this thing. `key` is the number of the key that is wrong; where it is the
-    subject, its part is left out. Returns the sentence, to which `add` and `add_text` append, and
-    its length.
+    `noun` is the thing that the instance acts on, as b"joint", and `subject` the number of the
+    config key with the name of this thing. `key` is the number of the wrong key; the part about the
+    key is left out where `key` is `subject`. Returns the sentence, to which `add` and `add_text`
+    append, and the length of the sentence.
     """
     sentence = np.zeros(SENTENCE_LIMIT, np.uint8)
     n = add_text(sentence, 0, plugin_name(m, instance, at))
@@ -446,29 +439,27 @@ def complain(m, instance, noun, subject, key, reason, at):
 
 @inner
 def packed(ids, place, bits):
-    """Returns the number at a place of a word, from 0; -1 for none."""
+    """Returns the number at a place of the word `ids`, from 0; -1 for none."""
     return ((ids >> (bits * place)) & (2**bits - 1)) - 1
 
 
 @inner
 def sensor_kind(name, endings):
-    """Returns with which word of `endings`, as b"force torque", `name` ends; -1 for none."""
-    kind, start = 0, 0
-    for end in range(len(endings) + 1):
-        if end == len(endings) or endings[end] == ord(" "):
-            rest = length(name) - (end - start)
-            if rest >= 0 and is_word(name + rest, endings, start, end):
-                return kind
-            kind, start = kind + 1, end + 1
+    """Returns the index of the end of `name` among `endings`, as b"force torque"; -1 for none."""
+    for start in range(length(name)):
+        kind = choice_of(name + start, endings)
+        if kind >= 0:
+            return kind
     return -1
 
 
 @inner
 def pack_sensors(m, instance, ids, first, bits, endings, at):
-    """Returns (FOUND, UNKNOWN or TWICE, the word `ids` with the sensors of an instance in it).
+    """Returns (FOUND, UNKNOWN or TWICE, the word `ids` with the sensors of an instance added).
 
-    A sensor is unknown by its name, or there twice. The one with the first of the endings gets the
-    place `first`. It reads m_nsensor and what `sensor_name` and `is_sensor_of` read.
+    UNKNOWN is a sensor whose name has none of the endings, and TWICE a second sensor of one ending.
+    The sensor with the first ending gets the place `first`. The function reads m_nsensor and the
+    fields of `sensor_name` and `is_sensor_of`.
     """
     for sensor in range(pointer_at(m + at.m_nsensor)):
         if is_sensor_of(m, sensor, instance, at):
@@ -495,8 +486,8 @@ SIGNATURES = {
     "compute": types.void(_POINTER, _POINTER, _INT, _INT),
     "advance": types.void(_POINTER, _POINTER, _INT),
 }
-# MuJoCo calls one of these before any other: the first two when it compiles a model, the last one
-# when it makes an mjData.
+# MuJoCo calls one of these callbacks first: `nstate` or `nsensordata` when a model is compiled, and
+# `init` when an mjData is made.
 FIRST = {
     "nstate": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int),
     "nsensordata": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int, ctypes.c_int),
@@ -504,17 +495,16 @@ FIRST = {
 }
 
 _lock = threading.RLock()
-_plugins: dict[str, "_Registered"] = {}  # C points into it as long as the process lives
+_plugins: dict[
+    str, "_Registered"
+] = {}  # C has pointers into these objects as long as the process lives
 
 
 def callback(function: Callable[..., Any]) -> Any:
-    """Compiles a callback (a decorator); the name of the function says which one it is.
+    """Compiles the callback of the function's name, a key of `SIGNATURES` (a decorator).
 
     The machine code is cached on disk, separately for each set of values that the function takes
     from the function around it. A function that has no file, as in a notebook, is not cached.
-
-    Raises:
-        KeyError: No callback has the name of the function.
     """
     signature = SIGNATURES[function.__name__]
     try:
@@ -535,12 +525,12 @@ def register_plugin(
 
     Args:
         name: Unique name of the plugin, which MJCF refers to.
-        keys: Names of its config keys, in the order in which `config` counts them.
+        keys: Names of the config keys, in the order in which `config` counts keys.
         build: Function that compiles and returns the callbacks; it is called when the plugin is
             first needed.
         stage: Stage whose results the sensors need, as `STAGE_VEL` for velocities.
-        sensors: Whether it has sensors too. MuJoCo then calls `nsensordata`, and `compute` with
-            mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
+        sensors: Whether the plugin has sensors too. MuJoCo then calls `nsensordata`, and `compute`
+            with mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
 
     Returns:
         The slot of the plugin, its number in `mjModel.plugin`.
@@ -552,9 +542,9 @@ def register_plugin(
 
 
 def compile_plugin(name: str) -> None:
-    """Compiles a registered plugin, unless that is done; it takes seconds the first time.
+    """Compiles a registered plugin, unless that is done; the first time takes seconds.
 
-    Otherwise MuJoCo's first call compiles it, through which no exception can pass.
+    Without this call MuJoCo's first call compiles the plugin, and no exception can pass through.
     """
     _plugins[name].compile()
 
@@ -602,7 +592,7 @@ class _Registered:
             return self._callbacks
 
     def _beginning(self, which: str) -> Callable[..., int]:
-        """Returns a callback for MuJoCo's first call: it compiles the plugin, then repeats it."""
+        """Returns a callback for MuJoCo's first call, which compiles the plugin and goes on."""
 
         def begin(*arguments: int) -> int:
             try:

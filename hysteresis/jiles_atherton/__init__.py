@@ -1,8 +1,8 @@
-"""The Jiles-Atherton model: the class, its kernels, and what fits of it need.
+"""The Jiles-Atherton model: the class, its kernels, and functions for fits.
 
-`kernels` steps one model, a population of models, and one with its derivatives. `_bulk` has the
-exact step behind all of them, `_forms` the other equations of the literature, `margins` the
-certificate, and `coordinates` those in which a search stays certified.
+`kernels` steps one model, a population of models, and a model with derivatives. `_bulk` has the
+exact step behind these kernels, `_forms` the other equations of the literature, `margins` the
+certificate, and `coordinates` the coordinates in which a search stays certified.
 """
 
 from .coordinates import Nearest, nearest_certified

@@ -5,14 +5,14 @@ Symbols as in the paper (Li et al. 2022, eq. 1-4); all angles and a, k, alpha he
     He = H + alpha M      effective field          Man(He) = Ms L(He / a)      anhysteretic torque
     M  = Man + u          u obeys  du/dHe = -u / (delta k) + (c - 1) dMan/dHe
 
-which is eq. (4) written for u, and linear whatever c is. One step integrates it exactly, except
-that a cubic Hermite interpolant replaces Man, and solves He - alpha M = H by Newton's method. The
-local error is bounded beforehand (`field_step_limit`), so no step is ever rejected.
+which is eq. (4) written for u, and linear for any c. One step integrates this equation exactly,
+except that a cubic Hermite interpolant replaces Man, and solves He - alpha M = H by Newton's
+method. The local error is bounded beforehand (`field_step_limit`), so no step is ever rejected.
 """
 
 # The memory holds u, not M: the slope f, the loss and the certificate need u, and M - Man loses its
-# digits where M is near Man. Man and its derivatives are kept with u, so that a step does not
-# compute the Langevin function at its beginning again.
+# digits where M is near Man. The memory also holds Man and its derivatives, so that a step does not
+# compute the Langevin function at the beginning again.
 
 import math
 from typing import NamedTuple
@@ -23,7 +23,7 @@ from .langevin import SERIES_BELOW, fma, langevin, langevin_series
 
 MAX_LANGEVIN_4TH_DERIVATIVE = 0.1307  # max |L''''|, near |x| = 1.0
 LOCAL_TOLERANCE = 1e-9  # error per step in He, relative to Ms
-NEWTON_TOLERANCE = 1e-6  # relative to min(a, k); the rest enters to second order, 1e-12 c Ms
+NEWTON_TOLERANCE = 1e-6  # relative to min(a, k); the error of M is of second order, 1e-12 c Ms
 RESOLUTION = 1e-14  # smallest Newton step above rounding, relative to the angle
 NEWTON_LIMIT = 60
 SHORT = 0.25  # |dx / k| below which the decay weights come from their series
@@ -33,43 +33,25 @@ P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
 
 
 class Point(NamedTuple):
-    """A point of a motion.
+    """A point of a motion."""
 
-    Attributes:
-        x: Effective field.
-        u: Lag M - Man.
-        man: Anhysteretic torque Man.
-        slope: First derivative of Man with respect to x.
-        curvature: Second derivative of Man with respect to x.
-    """
-
-    x: float
-    u: float
-    man: float
-    slope: float
-    curvature: float
+    x: float  # effective field
+    u: float  # lag M - Man
+    man: float  # anhysteretic torque Man
+    slope: float  # dMan/dx
+    curvature: float  # second derivative of Man
 
 
 class Law(NamedTuple):
-    """A model, as its steps need it.
-
-    Attributes:
-        Ms: Saturation torque.
-        alpha: Coupling of torque into the effective field.
-        c: Reversibility.
-        per_a: Reciprocal 1 / a of the shape parameter.
-        per_k: Reciprocal 1 / k of the loss parameter.
-        dx_max: Longest step in the effective field, from `field_step_limit`.
-        tolerance: Tolerance of the effective field at the end.
-    """
+    """Parameters of a model, and constants of every step."""
 
     Ms: float
     alpha: float
     c: float
-    per_a: float
-    per_k: float
-    dx_max: float
-    tolerance: float
+    per_a: float  # 1 / a
+    per_k: float  # 1 / k
+    dx_max: float  # longest step in the effective field, from `field_step_limit`
+    tolerance: float  # of the effective field at the end of a motion
 
 
 @njit(cache=True, error_model="numpy")
@@ -106,7 +88,7 @@ def short_decay_weights(z: float) -> tuple[float, float, float, float]:
         fma(z2, fma(-z, P7, P6), fma(-z, P5, P4)),
         fma(z2, fma(-z, P3, P2), fma(-z, P1, P0)),
     )
-    # Down from phi_3 each line shrinks the error by z; up from exp(-z) it would grow by 1 / z.
+    # Down from phi_3 each line multiplies the error by z; up from exp(-z) by 1 / z.
     phi2 = fma(-z, phi3, 0.5)
     phi1 = fma(-z, phi2, 1.0)
     return fma(-z, phi1, 1.0), phi1, phi2, phi3
@@ -149,7 +131,7 @@ def weigh(dx, u0, man0, slope0, man1, slope1, c, weights):
 def predict(left, at, law, per_k):
     """Returns 1 / (1 - alpha f), f = dM/dHe, and the step in He to first and to second order.
 
-    `left` is the change of the angle that the step is to reach, `per_k` has the sign of the motion.
+    `left` is the rest of the motion as a change of angle; `per_k` has the sign of the motion.
     """
     tangent = fma(law.c, at.slope, -at.u * per_k)
     per_g = 1 / fma(-law.alpha, tangent, 1.0)
@@ -190,12 +172,12 @@ def correct(dx, H1, at, law, per_k, at_end, weights):
 
 @njit(inline="always", error_model="numpy")
 def advance_short(H0, H1, at, law):
-    """Does what `advance` does, without a branch, where one step inside both series is enough.
+    """Moves a model as `advance` does, without a branch, if one step inside both series is enough.
 
-    Returns whether that is so, and the end of the motion, which is valid only if it is so. It then
-    equals that of `advance` to the last bit.
+    Returns whether one step is enough, and the end of the motion, which is then equal to the end
+    that `advance` computes, to the last bit.
     """
-    # Every expression stands here as in `advance` and `land`: another order would round otherwise.
+    # The expressions are those of `advance` and `land`: another order would round differently.
     delta = 1.0 if H1 > H0 else -1.0
     per_k = law.per_k * delta
     limit = stretched(law.dx_max, at.x, law.per_a)
@@ -212,17 +194,10 @@ def advance_short(H0, H1, at, law):
 
 @njit(cache=True, forceinline=True, error_model="numpy")
 def advance(H0, H1, at, law):
-    """Moves the model monotonically from the angle H0 to H1.
+    """Moves the model monotonically from the angle H0, at the point `at`, to the angle H1.
 
-    Args:
-        H0: Angle of the memory before the motion.
-        H1: Angle to reach.
-        at: Point of H0.
-        law: The model.
-
-    Returns:
-        The point of H1. u is NaN when H1 is not finite, or when the motion meets the pole
-        1 - alpha f = 0, where dM/dH is infinite and the model has no continuation.
+    Returns the point of H1. There u is NaN if H1 is not finite, or if the motion meets the pole
+    1 - alpha f = 0, where dM/dH is infinite and the model has no continuation.
     """
     if not math.isfinite(H1):
         return Point(at.x, math.nan, at.man, at.slope, at.curvature)
@@ -245,7 +220,7 @@ def advance(H0, H1, at, law):
         man1, slope1 = law.Ms * L, chi * dL
         u1 = step_field(dx, at.u, at.man, at.slope, man1, slope1, law.c, per_k)
         left1 = H1 - (at.x + dx - law.alpha * (man1 + u1))
-        if delta * left1 <= 0:  # the step passes H1: `land` shortens it
+        if delta * left1 <= 0:  # the step passes H1, and `land` shortens the step
             break
         at, left = Point(at.x + dx, u1, man1, slope1, chi * law.per_a * ddL), left1
     else:
@@ -282,8 +257,8 @@ def land(dx, H1, at, law, delta):
 def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
     """Returns the part of the past `loss` that a motion from (H, M) could still get back.
 
-    It is Willems' available storage of the irreversible part: while u opposes a return, turning
-    back gives work until u = 0, and no motion gives more (docs/theory.md, "Energy").
+    This part is Willems' available storage of the irreversible part: while u opposes a return, a
+    motion back gives work until u = 0, and no motion gives more (docs/theory.md, "Energy").
     """
     if c <= 1:
         return 0.0

@@ -1,4 +1,4 @@
-"""Coordinates of the Jiles-Atherton model in which every point is certified, and the nearest one.
+"""Coordinates in which every Jiles-Atherton model is certified, and the nearest certified model.
 
 A point is
 
@@ -57,11 +57,11 @@ def point(row: Array) -> Array:
 
 
 class Nearest(NamedTuple):
-    """A certified model, and how much its curves differ from those of another.
+    """A certified model near another model.
 
     Attributes:
         model: Certified model.
-        change: Root mean square change of the curves, as a share of their peak.
+        change: Root mean square difference of both models' curves, as a share of their peak.
     """
 
     model: JilesAtherton
@@ -71,17 +71,16 @@ class Nearest(NamedTuple):
 def nearest_certified(model: JilesAtherton) -> Nearest:
     """Finds the certified model with the least mean square change of torque.
 
-    The curves that are compared are a first loading, a full loop and a half loop between -R and R.
-    R is the largest angle up to which the given model is itself safe (by its certificate for that
-    range), so that its curves exist. The search runs in the coordinates above, where every
-    point is certified.
+    The compared curves are a first loading, a full loop and a half loop between -R and R. R is the
+    largest angle up to which the given model is safe, by the certificate for that range, so that
+    its curves exist. The search runs in coordinates in which every point is certified.
 
     Args:
-        model: Any Jiles-Atherton model; a certified one comes back as it is. The model that is
-            nearest to another form, or to one with a clamp, has form `bulk` without a clamp.
+        model: Any Jiles-Atherton model; a certified model comes back as it is. The nearest model
+            has form `bulk` without a clamp, also for another form or clamp.
 
     Returns:
-        A certified model in the same angle unit, and how much its curves differ.
+        A certified model in the same angle unit, and the difference of the curves.
     """
     from scipy.optimize import least_squares  # slow to import, rarely needed
 
@@ -99,9 +98,12 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
 
     def residual(point: Array) -> Array:
         change = (_torque(_at(point, model), angle) - wanted) / (scale * np.sqrt(angle.size))
-        return np.concatenate([change, TIE_BREAK * (_folds(point) - _folds(start))])
+        moved = point - start
+        moved[LOG_REACH] = (point[LOG_REACH] - point[LOG_EXCESS]) - log_k
+        return np.concatenate([change, TIE_BREAK * moved])
 
     start, low, high = _box(model)
+    log_k = start[LOG_REACH] - start[LOG_EXCESS]
     fit = least_squares(residual, start, bounds=(low, high), x_scale="jac", max_nfev=100)
     return Nearest(_at(fit.x, model), float(np.linalg.norm(fit.fun[: angle.size])))
 
@@ -120,13 +122,6 @@ def _box(model: JilesAtherton) -> tuple[Array, Array, Array]:
     return start, low, high
 
 
-def _folds(point: Array) -> Array:
-    """Returns the point with log k in place of log(k (c-1))."""
-    folds = point.copy()
-    folds[LOG_REACH] -= folds[LOG_EXCESS]
-    return folds
-
-
 def _at(point: Array, model: JilesAtherton) -> JilesAtherton:
     (row,) = rows(point[None]).tolist()
     parameters = dict(zip(PARAMETERS, row, strict=True))
@@ -134,7 +129,7 @@ def _at(point: Array, model: JilesAtherton) -> JilesAtherton:
 
 
 def _plain(model: JilesAtherton) -> JilesAtherton:
-    """Returns the model in form `bulk` without a clamp, the one with a certificate."""
+    """Returns the model in form `bulk` without a clamp, which alone has a certificate."""
     return replace(model, form="bulk", clamp="none", allow_active=True)
 
 

@@ -1,7 +1,7 @@
-"""Kernels of the Jiles-Atherton model (`HysteresisModel` says what each does).
+"""Kernels of the Jiles-Atherton model; `HysteresisModel` describes the protocol.
 
-All angles are radians here. The memory holds, beyond angle, torque and loss, what the next step
-starts from: the effective field, u = M - Man, Man and its first two derivatives there.
+All angles are radians. Beyond angle, torque and loss, the memory holds the effective field,
+u = M - Man, Man and the first two derivatives of Man, from which the next step starts.
 """
 
 import math
@@ -21,7 +21,7 @@ PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
 DEGREE = math.pi / 180
-SMALLEST = 1e-100  # least Ms, a and k; beyond it and its inverse the steps lose their digits
+SMALLEST = 1e-100  # least Ms, a and k; below, or above 1e100, the steps lose their digits
 FINE, POSITIVE, EXTREME, AT_LEAST_0 = range(4)
 COMPLAINTS = (
     b"",
@@ -52,7 +52,7 @@ def is_certified(p):
 
 @njit(cache=True, error_model="numpy")
 def remember(p, s, angle, torque):
-    """Makes (angle, torque) the memory and computes the rest of it, but for the loss."""
+    """Writes angle, torque and the numbers that follow from both into s; the loss stays."""
     Ms, a = p[MS], p[A]
     x = angle + p[ALPHA] * torque
     L, dL, ddL = langevin(x / a)
@@ -70,14 +70,14 @@ def travel(p, s, angle, step: Callable = bulk.advance):
 
 @njit(inline="always", error_model="numpy")
 def store(s, angle, moved):
-    """Makes the end of `travel` the memory; the loss stays as it is."""
+    """Writes the point `moved`, which `travel` returned for the angle, into s; the loss stays."""
     s[FIELD], s[LAG], s[MAN], s[SLOPE], s[CURVATURE] = moved
     s[ANGLE], s[TORQUE] = angle, s[MAN] + s[LAG]
 
 
 @njit(cache=True, inline="always", error_model="numpy")
 def is_exact(p):
-    """Returns whether the exact step applies: form bulk, no clamp."""
+    """Returns whether the model has the form bulk and no clamp, for which the step is exact."""
     return p[FORM] == forms.BULK and p[CLAMP] == forms.NO_CLAMP
 
 
@@ -142,7 +142,7 @@ def stored(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def dissipated(p, s, angle, torque, loss):
-    """Returns the dissipated energy: the loss less what a motion could still get back."""
+    """Returns the dissipated energy: the loss less the part that a motion could still get back."""
     return s[LOSS] + loss - recoverable(p, angle, torque)
 
 
@@ -176,7 +176,7 @@ def memory_size(total):
 
 @njit(cache=True, error_model="numpy")
 def complaint(values, ends):
-    """Returns what is wrong with Ms, a, alpha, c, k, the unit of angles, form and clamp."""
+    """Returns the complaint about Ms, a, alpha, c, k, the unit of angles, form and clamp."""
     for i in (MS, A, K):
         if not values[i] > 0:
             return POSITIVE, i
@@ -190,7 +190,7 @@ def complaint(values, ends):
 
 @njit(cache=True, error_model="numpy")
 def configure(values, ends, p):
-    """Fills p from the values of `complaint`."""
+    """Fills p from the values of all keys."""
     Ms, a, alpha, c, k, unit, form, clamp = values
     scale = DEGREE if unit == 1 else 1.0
     set_parameters(p, Ms, a * scale, alpha * scale, c, k * scale, int(form), int(clamp))
@@ -198,7 +198,7 @@ def configure(values, ends, p):
 
 @njit(cache=True, error_model="numpy")
 def set_parameters(p, Ms, a, alpha, c, k, form, clamp):
-    """Fills p: the parameters, form and clamp, and constants that every step needs."""
+    """Fills p with parameters, form, clamp, and constants of every step."""
     p[MS], p[A], p[ALPHA], p[C], p[K] = Ms, a, alpha, c, k
     p[STEP_LIMIT] = bulk.field_step_limit(Ms, a, alpha, c, k)
     p[FORM], p[CLAMP] = form, clamp
@@ -207,8 +207,8 @@ def set_parameters(p, Ms, a, alpha, c, k, form, clamp):
 
 @njit(inline="always", error_model="numpy")
 def advance_together(p, s, done, rows, angle):
-    """Moves the models on to `angle`: those for which a short step is enough, then the others."""
-    # Only this loop becomes vector instructions; the scalar steps after it give the same bits.
+    """Moves the models to `angle`, first by a short step, then the other models by long steps."""
+    # Only this loop becomes vector instructions; the scalar steps below give the same bits.
     for row in rows:
         done[row], moved = travel(p[:, row], s[:, row], angle, bulk.advance_short)
         if done[row]:
@@ -222,9 +222,9 @@ def advance_together(p, s, done, rows, angle):
 def population_response(H, starts, M0, parameters, M):
     """Fills M with the torque of n parameter rows along several curves laid end to end.
 
-    The models take each step together. The loop over them has no branch and one array per quantity,
-    and so compiles to vector instructions: about six times as fast as one model after the other,
-    with torques that are equal to the last bit.
+    The models take each step together. The loop over the models has no branch and one array per
+    quantity, and compiles to vector instructions: about six times as fast as one model after the
+    other, with torques that are equal to the last bit.
 
     Args:
         H: Angles of all curves (samples,).
@@ -254,25 +254,20 @@ def population_response(H, starts, M0, parameters, M):
 def response_and_derivatives(H, starts, M0, parameters, M, dM):
     """Fills M with the torque along several curves laid end to end, and dM with its derivatives.
 
-    M is that of `population_response` to the last bit. At a fixed effective field x the lag u obeys
-    a linear equation, so its derivatives v_j = du/dq_j obey the same equation with other sources:
-    the source of u is (c-1) dMan/dx; the source of v_j is its derivative with respect to q_j, plus
-    u / (delta k^2) for q_j = k. The step is differentiated as it is computed: its weights with
-    respect to k, the Hermite interpolant with respect to Ms and a. The relations between u and M,
+    The arguments are those of `population_response` for one row: M0 (curves,), parameters (5,) and
+    M (samples,), which has the same torques to the last bit and is NaN from the pole on. dM
+    (samples, 6) has the derivatives with respect to Ms, a, alpha, c, k and the torque at the start.
+
+    At a fixed effective field x the lag u obeys a linear equation, so the derivatives v_j = du/dq_j
+    obey the same equation with other sources: the source of u is (c-1) dMan/dx; the source of v_j
+    is the derivative of that with respect to q_j, plus u / (delta k^2) for q_j = k. The computed
+    step is differentiated: the weights with respect to k, and the Hermite interpolant with respect
+    to Ms and a. The relations between u and M,
 
         M = Man(x) + u(x),   x = H + alpha M,
 
     give dM/dq_j = (dMan/dq_j + v_j + f M [q_j = alpha]) / (1 - alpha f), and v_j from dM/dq_j at
-    the beginning of the next motion, whose f belongs to its own direction.
-
-    Args:
-        H: Angles of all curves (samples,).
-        starts: Index of each curve's first sample, then the number of samples (curves + 1,).
-        M0: Torque at each curve's first sample (curves,).
-        parameters: Values of Ms, a, alpha, c, k in the unit of H (5,), form bulk without clamp.
-        M: Torque (samples,); NaN from the pole on.
-        dM: Derivatives of M with respect to Ms, a, alpha, c, k and the torque at the start
-            (samples, 6).
+    the beginning of the next motion, with the f of the direction of that motion.
     """
     p, s = np.zeros(PARAMETER_SIZE), np.zeros(MEMORY_SIZE)
     Ms, a, alpha, c, k = parameters
@@ -331,7 +326,7 @@ def carry(p, s, end, before, after):
 
 @njit(inline="always", error_model="numpy")
 def weights_and_derivatives(z):
-    """Returns `decay_weights` and their derivatives d/dz: of phi_j it is j phi_(j+1) - phi_j."""
+    """Returns `decay_weights` and their derivatives, as d phi_j / dz = j phi_(j+1) - phi_j."""
     decay, phi1, phi2, phi3 = bulk.decay_weights(z)
     phi4 = (1 / 6 - phi3) / z
     if z < 1:  # the closed form loses digits here; sum over j of (-z)^j / (j + 4)!

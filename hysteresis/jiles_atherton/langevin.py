@@ -21,7 +21,7 @@ E0, E1, E2, E3 = (2 * n * (2 * n + 1) * C for n, C in ((1, C1), (2, C2), (3, C3)
 
 
 def _fused(typing_context, x, y, z):
-    """Returns x * y + z, rounded once: faster, and the same wherever the compiler inlines it."""
+    """Returns x * y + z, rounded once: faster, and equal in every function that inlines it."""
 
     def codegen(context, builder, signature, arguments):
         return builder.fma(*arguments)

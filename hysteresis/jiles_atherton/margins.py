@@ -7,9 +7,9 @@ c >= 1 and every start has |u| <= B. Let U run to the right from u = B at the lo
 
 and D to the left from u = -B at the highest angle, in the same way. Then D <= u <= U for ever:
 a motion to the right cannot cross U, which solves the same equation; a motion to the left falls
-faster than U does; and a motion that begins at the lowest angle with less u begins below U,
-because as long as 1 - alpha f > 0 the states of one angle, seen from one another, rise faster than
-any motion. So 1 - alpha f > 0 needs to hold between D and U only, at both ends of
+faster than U does; and a motion that begins at the lowest angle with a smaller u begins below U,
+because as long as 1 - alpha f > 0 the states of one angle rise faster from state to state than any
+motion. So 1 - alpha f > 0 needs to hold between D and U only, at both ends of
 f = c Man' - delta u / k.
 """
 
@@ -43,7 +43,7 @@ def margin_everywhere(Ms, a, alpha, c, k):
 def margin_in_range(low, high, Ms, a, alpha, c, k):
     """Returns (margin, B, largest |u|) for angles between low and high.
 
-    B is the largest |u| of a start; it covers every start without torque.
+    B is the largest |u| of a start, and covers every start without torque.
     """
     if c < 1 or alpha * Ms >= 3 * a:  # the latter: several fields belong to one angle and lag
         margin, bound = margin_everywhere(Ms, a, alpha, c, k)

@@ -33,8 +33,8 @@ class JilesAtherton(HysteresisModel):
     This is eq. (4) of the paper (the "bulk" form, Venkataraman and Krishnaprasad 1998), without
     the clamp of magnetics: a joint needs c > 1, where that clamp makes the torque run away.
     In a closed cycle the joint loses (c - 1) times a number that is never negative: c > 1 resists
-    the motion, c = 1 is elastic, c < 1 drives it. The other forms and clamps are those of
-    magnetics; the same five numbers mean different loops in each.
+    the motion, c = 1 is elastic, c < 1 drives the motion. The other forms and clamps are those of
+    magnetics; each form has other loops for the same five numbers.
 
     Attributes:
         Ms: Saturation torque, > 0 [N·m].
@@ -46,8 +46,8 @@ class JilesAtherton(HysteresisModel):
             methods take are in radians in either case.
         form: Equation of the model: `bulk`, `original` (Jiles and Atherton 1986), `derivative`
             (with dMan/dHe for dMan/dH) or `jiles-1992`; all but `bulk` drive the joint.
-        clamp: Rule that stops the irreversible part while it points against the motion: `none`,
-            `jiles` (by the sign of Man - M) or `irreversible` (by its own sign, right for c > 1).
+        clamp: Rule that stops the irreversible part against the motion: `none`, `jiles` (by the
+            sign of Man - M) or `irreversible` (by the sign of that part, right for c > 1).
         allow_active: Whether to accept a model that feeds energy into the joint.
     """
 
@@ -76,13 +76,13 @@ class JilesAtherton(HysteresisModel):
             return
         if self.form != "bulk":
             raise InputError(
-                f"form is {self.form!r}: it feeds energy into the joint whatever its parameters; "
-                "use 'bulk' with c >= 1, or allow_active=True if that is what you want"
+                f"form is {self.form!r}: this form feeds energy into the joint with any "
+                "parameters; use 'bulk' with c >= 1, or allow_active=True to accept that"
             )
         if self.c < 1:
             raise InputError(
                 f"parameter c is {self.c}: below 1 the model feeds energy into the joint; use "
-                "c >= 1, or allow_active=True if that is what you want"
+                "c >= 1, or allow_active=True to accept that"
             )
 
     @property
@@ -93,21 +93,16 @@ class JilesAtherton(HysteresisModel):
         return source if exact else source.with_name("other_forms.c")
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Proves, where it can be proved, that no motion meets the pole (docs/theory.md, "Safety").
+        """Proves that no motion meets the pole, where a proof exists (docs/theory.md, "Safety").
 
-        With chi = Ms/(3a), the largest slope of Man, u = M - Man obeys |u| <= k |c-1| chi for ever
-        once it does: at that value its decay outweighs its source. Hence f lies between
-        -(|c-1| + max(-c, 0)) chi and (|c-1| + max(c, 0)) chi, and 1 - alpha f stays positive when
-        it does at both ends; for c >= 1 and alpha > 0 that is alpha (2c-1) Ms / (3a) < 1.
+        With chi = Ms/(3a), the largest slope of Man, the lag u = M - Man never leaves
+        |u| <= k |c-1| chi: at that value the decay of u outweighs the source. Hence f lies between
+        -(|c-1| + max(-c, 0)) chi and (|c-1| + max(c, 0)) chi, and 1 - alpha f stays positive if it
+        is positive at both ends; for c >= 1 and alpha > 0 that is alpha (2c-1) Ms / (3a) < 1.
 
-        Args:
-            angle_range: Angles that the joint never leaves [rad]. In a finite range u is bounded
-                more tightly, by the longest possible run in either direction, so a model may be
-                safe there although it is not safe for all angles.
-
-        Returns:
-            The certificate. Nothing is proved (margin -inf) for forms other than `bulk` without a
-            clamp.
+        In a finite range of angles [rad] the longest possible run in either direction bounds u more
+        tightly, so a model may be safe in a range but not at all angles. Nothing is proved (margin
+        -inf) for other forms than `bulk`, and for a clamp.
         """
         low, high = checked_range(angle_range)
         Ms, a, alpha, c, k = self.parameter_vector[: len(PARAMETERS)].tolist()
@@ -130,10 +125,7 @@ class JilesAtherton(HysteresisModel):
         return float(state.memory[kernels.MAN])
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; the magnetization M / Ms stays.
-
-        Where the certificate bounds M - Man more tightly, it is at the bound.
-        """
+        """Returns the memory that continues another model's; certified, M / Ms stays."""
         torque = float(memory[kernels.TORQUE]) * self.Ms / float(parameters[kernels.MS])
         torque = self._covered(float(memory[kernels.ANGLE]), torque)
         return self._at_torque(torque, memory, parameters)

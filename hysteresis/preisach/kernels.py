@@ -1,9 +1,9 @@
 """Kernels of the Preisach model: plain functions over scalars and arrays, compiled by numba.
 
 Memory after the common three numbers: torque of the relays [N·m], number k of turning points, loss
-on the branch so far [J], then records (angle clipped to the levels [rad], torque of the relays
+on the present branch [J], then records (angle clipped to the levels [rad], torque of the relays
 there [N·m]). Record 0 is the lowest level with every relay down; record i is a maximum for odd i, a
-minimum for even i. The present branch leaves record k: it rises for even k and falls for odd k.
+minimum for even i. The present branch leaves record k, and rises for even k and falls for odd k.
 
 Parameters (`Preisach.parameter_vector`): number n of segments, lowest and highest level; n rows
 
@@ -14,9 +14,9 @@ and a row of eight for each cell (i, j), j < i, up-switching segment i, down-swi
     weight w_ij, then over the cells between: R = sum of row i, C = sum of column j, sum N of the
     triangle, loss of row, column and triangle, moment of the triangle
 
-In a cell, with du = x - level i, u = du / h_i, db = level j+1 - y and b = db / h_j, these give the
-integrals over the triangle y <= down-switching <= up-switching <= x of a piecewise uniform density,
-without approximation: `swept` and `moment`.
+In a cell, with du = x - level i, u = du / h_i, db = level j+1 - y and b = db / h_j, these numbers
+give the exact integrals over the triangle y <= down-switching <= up-switching <= x of a piecewise
+uniform density: `swept` and `moment`.
 """
 
 import math
@@ -24,7 +24,7 @@ import math
 import numpy as np
 from numba import njit
 
-HEADER, SEGMENT, CELL = 3, 7, 8  # numbers in p: first ones, of a segment, of a cell
+HEADER, SEGMENT, CELL = 3, 7, 8  # how many numbers p has first, for a segment, for a cell
 CAPACITY = 64  # even: branch 64 rises, so that `walk` checks only whether a fall passes its base
 FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
 COMPLAINTS = (
@@ -41,7 +41,7 @@ OWN, ROW, COLUMN, TRIANGLE, ROW_LOSS, COLUMN_LOSS, TRIANGLE_LOSS, TRIANGLE_MOMEN
 
 @njit(cache=True)
 def parameter_size(segments):
-    """Returns how many numbers the parameter vector of so many segments has."""
+    """Returns the size of the parameter vector of a number of segments."""
     return HEADER + SEGMENT * segments + CELL * (segments * (segments - 1) // 2)
 
 
@@ -53,14 +53,7 @@ def total_weight(p):
 
 @njit(cache=True)
 def set_parameters(p, levels, density, elastic):
-    """Fills the parameter vector p.
-
-    Args:
-        p: Result, `parameter_size` numbers.
-        levels: Increasing angles [rad], n + 1 numbers.
-        density: Rows of weights [N·m], one after the other, n (n + 1) / 2 numbers.
-        elastic: Slope of the elastic part in each segment [N·m/rad], n numbers.
-    """
+    """Fills p from levels, rows of the density end to end, and elastic slopes of n segments."""
     n = elastic.size
     weight = np.zeros((n, n))
     for i in range(n):
@@ -108,7 +101,7 @@ def set_cells(p, levels, weight):
 
 @njit(cache=True)
 def sum_row(values):
-    """Returns for each cell the sum of its row to the right of it."""
+    """Returns for each cell the sum of the cells to the right in its row."""
     sums = np.zeros_like(values)
     for j in range(values.shape[1] - 2, -1, -1):
         sums[:, j] = sums[:, j + 1] + values[:, j + 1]
@@ -151,7 +144,7 @@ def clipped(p, angle):
 
 @njit(inline="always", error_model="numpy")
 def turning_points(s):
-    """Returns the number of turning points, within the stack even if a user overwrote s."""
+    """Returns the number of turning points, within the capacity even if a user overwrote s."""
     count = s[COUNT]
     if count >= CAPACITY:
         return CAPACITY
@@ -170,7 +163,7 @@ def swept(p, x, y):
     i, j = segment(p, x), segment(p, y)
     a, c = HEADER + SEGMENT * i, HEADER + SEGMENT * j
     if i <= j:
-        # One triangle on the diagonal: the mean of (up - down) / 2 over it is a sixth of its side.
+        # In one triangle on the diagonal the mean of (up - down) / 2 is a sixth of the side.
         u = (x - y) * p[a + PER_WIDTH]
         weight = p[a + DIAGONAL] * u * u
         return weight, weight * (x - y) / 6
@@ -229,8 +222,8 @@ def walk(p, s, angle):
 
     Returns (k, relays, lost, on_branch): the branch k on which the motion ends (turning points + 1
     for a new branch, which leaves s[0]), the torque of the relays, the energy dissipated on the
-    way, and the energy dissipated on branch k since its record. On the innermost branch of a full
-    stack no loss counts.
+    way, and the energy dissipated on branch k since its record. The innermost branch counts no loss
+    if the stack is full.
     """
     x, k = clipped(p, angle), turning_points(s)
     if angle == s[0]:
@@ -238,7 +231,7 @@ def walk(p, s, angle):
     rises = angle > s[0]
     base, relays, on_branch = s[RECORDS + 2 * k], s[RECORDS + 2 * k + 1], s[BRANCH_LOSS]
     if rises != (k % 2 == 0):
-        # The motion turns: it opens a branch, or goes back along the last one if the stack is full.
+        # The motion turns and opens a branch, or goes back along the last branch of a full stack.
         if k < CAPACITY:
             k, base, relays, on_branch = k + 1, clipped(p, s[0]), s[RELAYS], 0.0
         elif x > base:
@@ -254,16 +247,16 @@ def walk(p, s, angle):
         if x < bound if rises else x > bound:
             break
         # The loop between base and bound closes. A loop has two turning points, a minimum and a
-        # maximum, so two records go, and the motion continues the branch before them.
+        # maximum, so two records are removed, and the motion continues the branch before the loop.
         lost += swept(p, bound, base)[1] - on_branch
         k -= 2
         base, relays = s[RECORDS + 2 * max(k, 0)], s[RECORDS + 2 * max(k, 0) + 1]
         on_branch = swept(p, bound, base)[1]
-    k = max(k, 0)  # it is -1 after a fall to the lowest level, which is record 0 itself
+    k = max(k, 0)  # k is -1 after a fall to the lowest level, which is record 0 itself
     weight, loss = swept(p, x, base)
     if k == CAPACITY:
         loss = 0.0
-    # The sum begins at the record, not at s: closed loops leave no trace, rounding does not add up.
+    # The sum begins at the record, not at s, so that rounding of closed loops does not add up.
     relays += weight if k % 2 else -weight
     return k, relays, lost + loss - on_branch, loss
 
@@ -380,7 +373,7 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether no motion gains energy, as no weight is negative, and the margin `inside`."""
+    """Returns whether no weight is negative, so that no motion gains energy, and `inside`."""
     cells = HEADER + SEGMENT * int(p[0])
     least = p[HEADER + DIAGONAL : cells : SEGMENT].min()
     if p.size > cells:
@@ -408,7 +401,7 @@ def memory_size(total):
 
 @njit(cache=True, error_model="numpy")
 def complaint(values, ends):
-    """Returns what is wrong with levels, the rows of the density end to end, elastic slopes."""
+    """Returns the complaint about levels, the rows of the density end to end, elastic slopes."""
     segments = ends[0] - 1
     if segments < 1:
         return ASCENDING, 0
@@ -424,7 +417,7 @@ def complaint(values, ends):
 
 @njit(cache=True, error_model="numpy")
 def configure(values, ends, p):
-    """Fills p from the values of `complaint`."""
+    """Fills p from the values of all keys."""
     elastic = values[ends[1] : ends[2]]
     if elastic.size == 0:
         elastic = np.zeros(ends[0] - 1)

@@ -26,38 +26,36 @@ class Preisach(HysteresisModel):
     a falling one passes beta. Between the levels the relays fill the half plane with a density
     that is uniform in each cell (Mayergoyz, Mathematical Models of Hysteresis, 1991, ch. I). The
     minus sign makes positive weights resist: just after a turn no relay switches and the joint is
-    as stiff as its elastic part, then relay after relay gives way. On a branch that left its turn
-    at t, the relays in the triangle between t and theta have switched; their weight, the Everett
-    function E(max, min), is a closed form in each cell. So the memory is the turning points alone.
+    as stiff as its elastic part, then relay after relay gives way. On a branch from a turn at t,
+    the relays in the triangle between t and theta have switched; their weight, the Everett function
+    E(max, min), is a closed form in each cell. So the memory is the turning points alone.
 
     Memory. A motion starts as if the angle had come up from below the lowest level; the torque
     there fixes the offset, since a measured family of curves has no absolute zero. (Relays that
-    reach below the start are why a first loop may not close.) A loop that closes is wiped out
-    without a trace; loops between the same angles are congruent. Beyond the levels no relay
-    switches, and the elastic part goes on with the slope of its end segment. Loops within 64 nested
-    turning points are forgotten: the joint then follows its innermost branch back and forth without
-    loss, and what that branch dissipates counts when the motion leaves it. Torque and stored plus
-    dissipated energy stay continuous, and nothing outside is forgotten.
+    reach below the start are the reason why a first loop may not close.) A loop that closes leaves
+    no trace; loops between the same angles are congruent. Beyond the levels no relay switches, and
+    the elastic part continues with the slope of its end segment. At most 64 nested turning points
+    are kept: the joint then follows the innermost branch back and forth without loss, and the loss
+    of that branch counts when the motion leaves the branch.
 
     Energy. Let a relay of weight w and middle m = (alpha + beta) / 2 store w (m - theta) while up
-    and nothing while down. The slope of that is its torque, -w or 0; and at either switch, up at
-    alpha or down at beta, the stored energy drops by w (alpha - beta) / 2, which the switch
-    dissipates: it is not negative if w >= 0. Summed over the relays,
+    and nothing while down. The slope of the stored energy is the relay's torque, -w or 0; at either
+    switch, up at alpha or down at beta, the stored energy drops by w (alpha - beta) / 2, which the
+    switch dissipates, and which is not negative if w >= 0. Summed over the relays,
 
         dissipated = sum of w (alpha - beta) / 2 over all switches since the start
         stored     = (T - elastic) (theta - level 0) + energy of the elastic part
                      + sum of w (m - level 0) over the relays that are up
 
-    where `stored` is a function of the state, since the relays that are up are the state, and both
-    together change by the work of T. Both sums are closed forms in each cell, as E is.
+    where `stored` is a function of the state, and both together change by the work of T. Both sums
+    are closed forms in each cell, as E is.
 
     Attributes:
         levels: Increasing angles that divide the range into n segments [rad], n + 1 >= 2 numbers.
         density: Weights [N·m] in n rows: entry j of row i, j <= i, is the weight of all relays with
-            alpha in segment i and beta in segment j. The torque drops by it when they all go up
-            and rises by it when they all go down. The model is dissipative if no weight is below 0.
-        elastic: Slope of the elastic part in each segment [N·m/rad], of any sign; 0 where it is
-            left out.
+            alpha in segment i and beta in segment j, by which the torque drops when all these
+            relays go up. The model is dissipative if no weight is below 0.
+        elastic: Slope of the elastic part in each segment [N·m/rad], of any sign; by default 0.
     """
 
     name: ClassVar[str] = "preisach"
@@ -89,13 +87,12 @@ class Preisach(HysteresisModel):
         return float(self.kernels.swept(p, high, low)[0])
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """States what holds for every motion in a range of angles [rad], from every start.
+        """Returns the certificate for every motion in a range of angles [rad], from every start.
 
         No stiffness is infinite, since the density is bounded. The model is dissipative if no
-        weight is below 0, by the energy in the docstring of the class. The torque bound holds for
-        motions that start with 0 N·m; for others it bounds |T - T(start)|, since the offset is
-        free. It is the spread of the elastic part, plus the sum of |weight| of all relays that can
-        switch, which are those that go up inside the range.
+        weight is below 0, by the energy in the docstring of the class. The torque bound is the
+        spread of the elastic part, plus the sum of |weight| of all relays that go up inside the
+        range. The bound holds for |T - T(start)|, since the offset is free.
         """
         low, high = checked_range(angle_range)
         sizes = replace(self, density=[[abs(weight) for weight in row] for row in self.density])
@@ -114,9 +111,10 @@ class Preisach(HysteresisModel):
         return float(np.ptp([self.kernels.elastic(self._parameters, x)[0] for x in angles]))
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; the turning points stay.
+        """Returns the memory that continues another model's.
 
-        So does the torque with all relays down, as a share of the sum of all |weights|.
+        The turning points stay, and the torque with all relays down stays as a share of the sum of
+        all |weights|.
         """
         old, new = kernels.total_weight(parameters), kernels.total_weight(self.parameter_vector)
         down, turns = kernels.RECORDS, kernels.turning_points(memory)

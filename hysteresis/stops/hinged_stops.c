@@ -19,7 +19,7 @@ static inline as_real as_hinged_stops_commit(const as_real *p, int size, as_real
     if (!isfinite(angle))
         return (as_real)NAN;
     const as_real sum = as_stops(p, n, s + 3, angle);
-    int piece = 0; /* it lies above so many knots */
+    int piece = 0; /* number of knots below */
     while (piece < (int)hinge[1] && sum >= knots[piece])
         piece++;
     const int knot = piece > 0 ? piece - 1 : 0;

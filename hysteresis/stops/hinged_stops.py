@@ -1,13 +1,12 @@
-"""Kernels of hinged stops: those of stops, and a hinge function of their sum.
+"""Kernels of hinged stops: the kernels of stops, and a hinge function of the sum of stops.
 
     P = K (theta - rest) + sum w_i E_i,   T = offset + h(P)
 
 Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n, offset, m, knots, values of h at the knots,
 slopes], with room for `MOST_KNOTS` knots, of which m are used: piece j of h lies above j knots.
 
-The memory is that of `prandtl_ishlinskii`, whose kernels compute P. All E_i of a motion differ by
-no more than their thresholds do, so on a monotone motion the stops begin to slip in the order of
-their thresholds.
+The memory is that of `prandtl_ishlinskii`, whose kernels compute P. The E_i differ by no more than
+the thresholds, so in a monotone motion the stops begin to slip in the order of the thresholds.
 """
 
 import math
@@ -15,14 +14,7 @@ import math
 from numba import njit
 
 from . import prandtl_ishlinskii as stops
-from .prandtl_ishlinskii import (
-    FINE,
-    FIRST_PLAY,
-    HEADER,
-    START_TOLERANCE,
-    dissipated,
-    stop,
-)
+from .prandtl_ishlinskii import FINE, FIRST_PLAY, HEADER, START_TOLERANCE, dissipated, stop
 
 __all__ = ["dissipated"]
 MOST_KNOTS = 16
@@ -61,7 +53,7 @@ def hinged(hinge, P):
 
 @njit(cache=True, error_model="numpy")
 def unhinged(hinge, value, P):
-    """Returns the number nearest to P that h maps to `value`; infinite if there is none."""
+    """Returns the argument of h nearest to P with the result `value`; infinite if none exists."""
     j = piece(hinge, P)
     if value > on_piece(hinge, j, P):
         while j < hinge[COUNT] and hinge[VALUES + j] < value:
@@ -107,8 +99,8 @@ def hinge_of(p, s):
 def work(p, s, angle, P, delta, distance, loads):
     """Returns the integral of |h(P)| over a motion of sign `delta` from `angle`, where P is given.
 
-    If the motion `loads`, the integral covers the part beyond P = 0, otherwise the part before. P
-    is linear between two angles at which stops begin to slip.
+    The integral covers the part of the motion beyond P = 0 if the motion `loads`, otherwise the
+    part before. P is linear between two angles at which stops begin to slip.
     """
     n, hinge = s.size - FIRST_PLAY, hinge_of(p, s)
     slope = p[0]
@@ -214,14 +206,14 @@ def stiffness(p, s, angle, torque, delta):
 
 @njit(cache=True, error_model="numpy")
 def stored(p, s, angle, torque, loss):
-    """Returns the stored energy: what unloading gives back, and the energy of the offset."""
+    """Returns the stored energy: that which unloading gives back, and the work of the offset."""
     offset = hinge_of(p, s)[OFFSET]
     return offset * (angle - p[1]) + recoverable(p, s, angle, inner(p, s, angle))
 
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns `(True, inside)`: every model is certified, with that margin."""
+    """Returns `(True, inside)`, since every model is certified."""
     return True, inside
 
 
@@ -245,7 +237,7 @@ def memory_size(total):
 
 @njit(cache=True, error_model="numpy")
 def complaint(values, ends):
-    """Returns what is wrong with the values of stops, with knots, slopes and offset."""
+    """Returns the complaint about the values of stops, knots, slopes and offset."""
     number, key = stops.complaint(values, ends)
     if number != FINE:
         return number, key

@@ -39,7 +39,7 @@ class Stops(HysteresisModel):
         """Returns the least and the largest torque [N·m] with which a motion can begin."""
 
     def _begin(self, angle: float, torque: float) -> Array:
-        try:  # the stops are as after a first loading, the shortest one that gives this torque
+        try:  # a motion begins after the shortest first loading that gives this torque
             return super()._begin(angle, torque)
         except InputError:
             low, high = self._starts(angle)
@@ -97,13 +97,13 @@ class PrandtlIshlinskii(Stops):
         return read_only(self.stiffness + (steps if self.operator == "play" else steps[-1] - steps))
 
     def config(self) -> dict[str, Any]:
-        """Returns the parameters as MJCF has them: those of stops, whatever the operator."""
+        """Returns the parameters as MJCF has them, of the stop form for both operators."""
         sign = 1 if self.operator == "stop" else -1
         weights = (sign * self._arrays[1]).tolist()
         return super().config() | {"stiffness": float(self.loading_slopes[-1]), "weights": weights}
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; stops keep their strain, up to r_i."""
+        """Returns the memory that continues another model's; stops keep their strain, up to r_i."""
         own, (thresholds, _) = memory.copy(), self._arrays
         stiffness, rest_angle = self.parameter_vector[: prandtl_ishlinskii.HEADER]
         weights = self.parameter_vector[prandtl_ishlinskii.HEADER + thresholds.size :]
@@ -119,10 +119,10 @@ class PrandtlIshlinskii(Stops):
         return elastic - reach, elastic + reach
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """States what holds for every motion, from every start.
+        """Returns the certificate for every motion, from every start.
 
-        In the stop form |E_i| <= r_i, and nothing has a pole. A cycle loses the integral of
-        sum w_i r_i |dF_i|, which is never negative if no w_i is.
+        In the stop form |E_i| <= r_i, and there is no pole. A cycle loses the integral of
+        sum w_i r_i |dF_i|, which is never negative if no w_i is negative.
         """
         low, high = checked_range(angle_range)
         stiffness, weights = self.parameter_vector[0], self.parameter_vector[-len(self.weights) :]
@@ -156,12 +156,12 @@ class HingedStops(Stops):
     "modified Prandtl-Ishlinskii"). The model has return-point memory.
 
     Every such model is certified and dissipative. Let `stored` be offset u and the work that a
-    monotone unloading from the present state gives back until P = 0. Unloading lowers it by exactly
-    the work that comes back. Loading by du takes the work (offset + h) du; the unloading path from
-    the new state is, at the same angle, nowhere beyond the loading path and the unloading path from
-    the old state, because a stop that comes back from further on is nowhere less unloaded; and h
-    keeps that order. So `stored` rises by no more than the work, and no closed cycle gives energy
-    back. The path does reach P = 0: without stiffness it ends where all stops slip the other way.
+    monotone unloading from the present state gives back until P = 0. Unloading lowers `stored` by
+    exactly that work. Loading by du takes the work (offset + h) du; at each angle the unloading
+    path from the new state is nowhere above the loading path and the unloading path from the old
+    state, because a stop that returns from a farther angle is nowhere less unloaded; and h keeps
+    that order. So `stored` rises by no more than the work, and no closed cycle gives energy back.
+    The path reaches P = 0: without stiffness the path ends where all stops slip the other way.
 
     Attributes:
         stiffness: Stiffness of the spring beside the stops, in P [N·m/rad], >= 0.
@@ -216,7 +216,7 @@ class HingedStops(Stops):
         return 1 + len(self.weights) + len(self.slopes)
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
-        """Returns the memory in place of another model's; stops keep their strain, up to r_i."""
+        """Returns the memory that continues another model's; stops keep their strain, up to r_i."""
         own = self.stops.carry_over(memory, parameters)
         own[1] = self.offset + self.hinge(own[1])
         return own
@@ -225,10 +225,10 @@ class HingedStops(Stops):
         return self._torques(angle, angle)
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """States what holds for every motion, from every start.
+        """Returns the certificate for every motion, from every start.
 
-        Nothing has a pole, and the docstring of the class proves that no cycle gives energy back.
-        |E_i| <= r_i bounds P, and h rises, so that T is bounded by its values at the ends.
+        There is no pole, and the docstring of the class proves that no cycle gives energy back.
+        |E_i| <= r_i bounds P, and h rises, so T is bounded by the values at both ends.
         """
         low, high = checked_range(angle_range)
         return Certificate(
@@ -249,7 +249,7 @@ class HingedStops(Stops):
         ends = []
         for angle, reach, slope in ((low, -self._reach, 0), (high, self._reach, -1)):
             P = reach + (self.stiffness * (angle - self.rest_angle) if self.stiffness else 0.0)
-            if math.isinf(P):  # what h is there depends on the outermost slope
+            if math.isinf(P):  # h is infinite too, unless the outermost slope is 0
                 P = P if self.slopes[slope] else self.knots[min(slope, 0)]
             ends.append(self.offset + (P if math.isinf(P) else self.hinge(P)))
         return ends[0], ends[1]

@@ -4,9 +4,9 @@ They compute the stop form only, T = K (theta - rest) + sum w_i E_i; `PrandtlIsh
 the play form. Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n], thresholds r rising.
 
 The memory s = [angle, torque, loss, F_1 ... F_n] holds the play F of each element, the angle at
-which its stop E = theta - F is zero. F follows from the turning points alone, F = max(F, theta - r)
-upwards and min(F, theta + r) downwards, so that neither the number of samples nor a closed
-excursion leaves a trace in it, not even of rounding.
+which the stop E = theta - F is zero. F follows from the turning points alone, F = max(F, theta - r)
+upwards and min(F, theta + r) downwards, so neither the number of samples nor a closed excursion
+changes F, not even by rounding.
 """
 
 import math
@@ -16,20 +16,13 @@ from numba import njit
 HEADER = 2  # numbers in p before the thresholds
 FIRST_PLAY = 3  # numbers in s before the plays
 FINE, ASCENDING, AS_MANY = range(3)
-COMPLAINTS = (
-    b"",
-    b"give increasing numbers above 0",
-    b"give as many numbers as thresholds",
-)
+COMPLAINTS = (b"", b"give increasing numbers above 0", b"give as many numbers as thresholds")
 START_TOLERANCE = 1e-12  # rounding of a saturated torque, relative to the sum of all |torques|
 
 
 @njit(inline="always", error_model="numpy")
 def stop(angle: float, play: float, threshold: float) -> tuple[float, float]:
-    """Returns E and F of an element that moves to `angle` with the play `play`.
-
-    |E| never exceeds the threshold: subtractions are monotone, rounded or not.
-    """
+    """Returns E and F of an element after a motion to `angle`; |E| never exceeds the threshold."""
     low, high = angle - threshold, angle + threshold
     if play <= low:
         return threshold, low
@@ -77,7 +70,7 @@ def load(p, s, angle, torque, wanted, scale):
 
 @njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
-    """Fills s as after a first loading that gives `torque`; returns 1, or NaN if none does.
+    """Fills s as after a first loading that gives `torque`; returns 1, or NaN if impossible.
 
     Loading by x from the angle where all stops are at zero gives K (angle - rest) + phi(x).
     """
@@ -156,7 +149,7 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether no motion gains energy, as no weight of a stop is negative, and `inside`."""
+    """Returns whether no weight is negative, so that no motion gains energy, and `inside`."""
     for weight in p[HEADER + (p.size - HEADER) // 2 :]:
         if weight < 0:
             return False, inside
@@ -183,7 +176,7 @@ def memory_size(total):
 
 @njit(cache=True, error_model="numpy")
 def complaint(values, ends):
-    """Returns what is wrong with stiffness, rest angle, thresholds and weights of stops."""
+    """Returns the complaint about stiffness, rest angle, thresholds and weights of stops."""
     if ends[3] - ends[2] != ends[2] - ends[1]:
         return AS_MANY, 3
     below = 0.0
@@ -196,5 +189,5 @@ def complaint(values, ends):
 
 @njit(cache=True, error_model="numpy")
 def configure(values, ends, p):
-    """Fills p with the values of `complaint`."""
+    """Fills p with the values of all keys."""
     p[:] = values

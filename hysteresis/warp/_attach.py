@@ -1,4 +1,4 @@
-"""Checks what `attach` gets, and makes the arrays of numbers of all worlds."""
+"""Checks the arguments of `attach`, and makes the arrays of numbers of all worlds."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -32,20 +32,20 @@ def attach(
 ) -> "Hysteresis":
     """Makes joints of a MuJoCo Warp model resist their motion with the torque of models.
 
-    From then on `mujoco_warp.step(m, d)` computes the torque in its passive callback, under every
-    integrator, and adds it to `qfrc_passive`. A callback that the model has already runs first. A
-    world whose time goes back, as in `mujoco_warp.reset_data`, begins again at its start. All of it
-    may be captured in a CUDA graph.
+    From then on `mujoco_warp.step(m, d)` computes the torque in the passive callback of `m`, under
+    every integrator, and adds the torque to `qfrc_passive`. An earlier callback of the model runs
+    first. A world whose time goes back, as in `mujoco_warp.reset_data`, begins again at its start.
+    A CUDA graph may capture all steps.
 
     Args:
         m: Model of MuJoCo Warp, whose passive callback is changed.
-        d: Its data, for whose worlds the memory is; its present times are not used.
-        mjm: MuJoCo model from which both were made.
-        models: Model of each joint, or a list of one for each world, by name of a hinge joint (rad)
-            or a slide joint (m). The models of a joint are of one kind and size.
-        starts: State in which the memory of each joint begins, from `model.start`, or a list of one
-            for each world, by name of the joint; by default at the joint's reference position,
-            without torque.
+        d: Data of `m` with the worlds of the memories; the present times are not used.
+        mjm: MuJoCo model from which `m` and `d` were made.
+        models: Model of each joint, or a list of a model for each world, by name of a hinge joint
+            (rad) or a slide joint (m). The models of a joint are of one kind and size.
+        starts: State in which the memory of each joint begins, from `model.start`, or a list of a
+            state for each world, by name of the joint; by default at the joint's reference
+            position, without torque.
         allow_uncertified: Whether to accept models without a certificate. At a pole the torque then
             keeps its last valid value, and the fault flag is set until the world's next reset.
 
@@ -53,10 +53,7 @@ def attach(
         Torques, work and fault flags of all worlds.
 
     Raises:
-        InputError: MuJoCo Warp is not installed, `m`, `d` and `mjm` are not of one model, there is
-            no such joint or it has a model already, or its models do not fit its worlds, each other
-            or 32-bit numbers.
-        UncertifiedModelError: A model has no certificate, or its start is outside of it.
+        UncertifiedModelError: A model has no certificate, or a start is outside of it.
     """
     try:
         import mujoco_warp
@@ -118,7 +115,7 @@ def _target(mjm: mujoco.MjModel, name: str) -> int:
 
 
 def _each(name: str, given: Any, kind: type, worlds: int) -> list[Any]:
-    """Returns one value for all worlds, or one for each, as a list."""
+    """Returns a list of one value for all worlds, or of a value for each world."""
     rows = list(given) if isinstance(given, Sequence) else [given]
     wrong = next((one for one in rows if not isinstance(one, kind)), None)
     if wrong is not None:
@@ -141,7 +138,7 @@ def _numbers(
         if state.memory.size != model.memory_size:
             raise InputError(
                 f"the start of world {world} at joint {joint!r} has {state.memory.size} numbers, "
-                f"and its model {model.memory_size}: make it by that model's own start"
+                f"and its model {model.memory_size}: make the start by that model's own `start`"
             )
         rows.append(row_of(model, state))
         if _layout(model) != _layout(models[0]) or len(rows[world]) != len(rows[0]):
@@ -163,6 +160,6 @@ def _numbers(
 
 
 def _layout(model: HysteresisModel) -> list[Any]:
-    """Returns what the code of a model depends on, beside the number of its numbers."""
+    """Returns kinds, files and sizes on which the code of a model depends."""
     inside = _layout(model.model) if isinstance(model, Wrapper) else []
     return [type(model), model.c_source, model.parameter_vector.size, *inside]

@@ -1,7 +1,7 @@
 """The C code of a model as the body of a function that Warp compiles, for processors and GPUs.
 
-The files *.c become the members of a struct. Its constant tables are references into the numbers of
-one world, so the functions of C read them by their names, and each world has a model of its own.
+The files *.c become the members of a struct. The constant tables are references into the numbers of
+one world, so the functions of C read tables by name, and each world has a model of its own.
 """
 
 import re
@@ -16,7 +16,7 @@ from ..protocol import HysteresisModel, State
 
 TRIAL, COMMIT, BEGIN = range(3)
 ANGLE, TORQUE, EXTRA = range(3)  # numbers behind the tables: where a motion begins
-# Warp compiles without the C library. What it offers outside the struct is ambiguous or missing.
+# Warp compiles without the C library; Warp's own functions of these names are ambiguous or missing.
 MATH = """
 static CUDA_CALLABLE bool isnan(float x) { return x != x; }
 static CUDA_CALLABLE bool isfinite(float x) { return x - x == 0.0f; }
@@ -67,13 +67,9 @@ const float beside = model.as_joint_beside(&state, angle, rate);
 
 @dataclass
 class _Members(Header):
-    """A header whose tables are references into an array of numbers.
+    """A header whose tables are references into an array of numbers."""
 
-    Attributes:
-        sizes: Numbers of each table.
-    """
-
-    sizes: list[int] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)  # how many numbers each table has
 
     def table(self, name: str, values: Iterable[float]) -> None:
         self.sizes.append(len(list(values)))
@@ -87,23 +83,17 @@ class _Members(Header):
 
 @dataclass(frozen=True)
 class Source:
-    """The code of all models of one kind and size, and how many numbers they have.
+    """The code of all models of one kind and size, and the numbers of such a model."""
 
-    Attributes:
-        code: Body of a function of C++.
-        size: Numbers of a model: those of its tables, and angle and torque at its start.
-        state: Numbers of its memory.
-    """
-
-    code: str
-    size: int
-    state: int
+    code: str  # body of a function of C++
+    size: int  # how many numbers the tables have, with angle and torque at the start
+    state: int  # how many numbers the memory has
 
 
 def source_of(model: HysteresisModel) -> Source:
     """Returns the code of a model."""
     header = _Members("as")
-    # Zeros at the end of a memory get no table: with ones, its table has room for any memory.
+    # A table leaves out zeros at the end: a memory of ones gives a table with room for any memory.
     ones = np.ones(model.memory_size)
     state = header.model("as_joint", model, State(ones, 1.0, 1.0))
     places = np.cumsum([0, *header.sizes])
@@ -121,5 +111,5 @@ def source_of(model: HysteresisModel) -> Source:
 
 
 def row_of(model: HysteresisModel, start: State) -> list[float]:
-    """Returns the numbers of a model that begins in a state."""
+    """Returns the numbers of a model's tables, then angle and torque of the start."""
     return [*numbers(model, start.memory.tolist()), start.angle, start.torque]

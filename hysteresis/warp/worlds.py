@@ -17,33 +17,23 @@ from ..around import Viscoelastic
 from ..protocol import HysteresisModel, State
 from .source import ANGLE, BEGIN, COMMIT, EXTRA, TORQUE, TRIAL, Source
 
-# Of the last step of a joint: time, angle, torque of the slow part, torque, and what rounding has
-# taken from the work (compensated summation of Kahan).
+# Of the last step of a joint: time, angle, torque of the slow part, torque, and the rounding error
+# of the work (compensated summation of Kahan).
 AT_TIME, AT_ANGLE, SLOW, TOTAL, LOST = map(wp.constant, range(5))
 Step = wp.types.vector(5, wp.float32)
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint with its models.
-
-    Attributes:
-        name: Name of the joint.
-        position: Its place in `qpos`.
-        velocity: Its place in `qvel`.
-        models: Its model, or one for each world.
-        starts: State in which the memory begins, or one for each world.
-        source: Code of the models.
-        numbers: Numbers of each model, shape (1 or worlds, numbers of the source).
-    """
+    """A joint with one model and start for all worlds, or one for each world."""
 
     name: str
-    position: int
-    velocity: int
+    position: int  # place in `qpos`
+    velocity: int  # place in `qvel`
     models: tuple[HysteresisModel, ...]
     starts: tuple[State, ...]
     source: Source
-    numbers: Array
+    numbers: Array  # of each model, shape (1 or worlds, source.size)
 
 
 class Hysteresis:
@@ -57,7 +47,7 @@ class Hysteresis:
         joints: Names of the joints, which are the columns of the arrays.
         torque: Resistance [N·m], shape (worlds, joints).
         work: Work done on the models since the worlds began [J], by the trapezoidal rule over the
-            steps, shape (worlds, joints). After a closed loop it is the dissipated energy.
+            steps, shape (worlds, joints). After a closed loop this is the dissipated energy.
         fault: Flags, 1 where a motion has met the pole of an uncertified model, shape (worlds,
             joints). The torque there keeps its last valid value until the world's next reset.
     """
@@ -83,7 +73,7 @@ class Hysteresis:
         if d.nworld != self.torque.shape[0]:
             raise InputError(
                 f"d has {d.nworld} worlds, and the hysteresis was attached with "
-                f"{self.torque.shape[0]}: attach it to each model with the data that it is for"
+                f"{self.torque.shape[0]}: attach the hysteresis to each model with its own data"
             )
         if self._before is not None:
             self._before(m, d)
@@ -93,11 +83,9 @@ class Hysteresis:
     def reset(self, worlds: Any = None) -> None:
         """Makes worlds begin again at the next step, as `mujoco_warp.reset_data` does by itself.
 
-        It is needed only where the time of a world does not go back, as when positions are written.
-
-        Args:
-            worlds: Array of Warp of bool, shape (worlds,), true where a world begins again; by
-                default all of them.
+        A call is needed where the time of a world does not go back, as when positions are written.
+        `worlds` is a Warp array of bool, shape (worlds,), true where a world begins again; by
+        default all worlds do.
         """
         count = self.torque.shape[0]
         if worlds is None:
@@ -109,12 +97,9 @@ class Hysteresis:
         wp.launch(_forget, self.torque.shape, [worlds, self._steps], device=self.torque.device)
 
     def dissipated(self) -> Array:
-        """Computes the energy that the models have dissipated since their worlds began [J].
+        """Computes the energy [J] dissipated since the worlds began, shape (worlds, joints).
 
-        It is the work less what is stored, which the models' own kernels compute on the host.
-
-        Returns:
-            Energy, shape (worlds, joints).
+        That is the work less the stored energy, which Python computes on the host.
         """
         steps, found = self._steps.numpy(), self.work.numpy().astype(np.float64)
         for kind in self._kinds:
@@ -122,7 +107,7 @@ class Hysteresis:
             for i, column in enumerate(kind.columns):
                 joint = self._joints[column]
                 for world, step in enumerate(steps[:, column]):
-                    if step[AT_TIME] == np.inf:  # its first step is to come
+                    if step[AT_TIME] == np.inf:  # the world has not made a step
                         found[world, column] = 0.0
                         continue
                     model = joint.models[world % len(joint.models)]
@@ -133,7 +118,7 @@ class Hysteresis:
 
     @staticmethod
     def joints_of(callback: Any) -> set[str]:
-        """Returns the names of the joints that a callback and those before it resist."""
+        """Returns the names of the joints of a callback and of the callbacks before."""
         names: set[str] = set()
         while isinstance(callback, Hysteresis):
             names |= set(callback.joints)
@@ -142,11 +127,9 @@ class Hysteresis:
 
 
 class _Kind:
-    """Joints whose models have the same code.
+    """Joints whose models have the same code, with their `columns` in the arrays of all joints.
 
-    Attributes:
-        columns: Columns of the joints in the arrays of all joints.
-        memory: Memories, shape (worlds, joints of the kind, numbers of a memory).
+    The array `memory` has the shape (worlds, joints of the kind, numbers of a memory).
     """
 
     def __init__(self, source: Source, columns: list[int], all_joints: Hysteresis) -> None:
@@ -192,7 +175,7 @@ def _forget(worlds: wp.array[bool], steps: wp.array2d[Step]):
 
 @cache
 def kernel_of(source: Source) -> Any:
-    """Returns the kernel that resists with one kind of models."""
+    """Returns the Warp kernel that computes the torque of the joints with the code `source`."""
 
     @wp.func_native(source.code)
     def move(

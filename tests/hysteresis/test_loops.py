@@ -48,30 +48,6 @@ def test_noise_below_half_the_dead_band_neither_adds_nor_hides_a_reversal(motion
         np.testing.assert_array_equal(piece.torque, motion[piece.start : piece.stop])
 
 
-def slow_reversals(angle, dead_band):
-    """Looks back over all samples since the last decision."""
-    turns, direction, since = [], 0, 0
-    for i in range(angle.size):
-        seen = angle[since : i + 1]
-        for sign in (1, -1):
-            if direction in (0, sign) and np.max(sign * (seen - angle[i])) > dead_band:
-                if direction:
-                    turns.append(since + int(np.argmax(sign * seen)))
-                direction, since = -sign, i
-                break
-    return turns
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    st.lists(st.integers(-8, 8), min_size=3, max_size=40),
-    st.integers(0, 6),
-)
-def test_detector_equals_its_slow_twin(values, dead_band):
-    angle = np.array(values, dtype=float)
-    assert reversals(angle, dead_band).tolist() == slow_reversals(angle, dead_band)
-
-
 def test_default_dead_band_survives_gaussian_noise_and_long_dwell():
     for seed in range(10):
         motion = with_dwell(FAMILY, 150, 300)

@@ -26,8 +26,6 @@ from known_models import KNOWN
 from stop_models import hinged, stops
 
 SEQUENCES = 40  # random motions per example; with 300 examples 12,000 sequences
-FORMS = ("original", "derivative", "jiles-1992")
-IRON = {"Ms": 1.6e6, "a": 1100, "alpha": 1.6e-3, "c": 0.2, "k": 400}  # in A/m
 # Where a torque does not rise everywhere, the model has no inverse.
 RISING = [name for name in KNOWN if name != "preisach"]
 
@@ -83,18 +81,6 @@ def test_the_torque_is_that_of_the_readable_model_and_of_its_equation(name):
     np.testing.assert_allclose(fine, solved, atol=2e-8)
     np.testing.assert_allclose(torque, solved, atol=2e-7)
     np.testing.assert_allclose([readable.move(angle) for angle in turns], solved, atol=1e-6)
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_forms_without_a_certificate_step_like_they_respond(form):
-    model = JilesAtherton(**IRON, form=form, clamp="jiles", allow_active=True)
-    H = 500 * np.cumsum(np.random.default_rng(1).normal(size=60))
-    response, state = model.response(H), model.start(H[0])
-    for i in range(1, H.size):
-        state, torque = model.step(state, H[i])
-        assert torque == response[i]
-    assert model.certificate().margin == -math.inf
-    assert not model.certificate().dissipative
 
 
 def test_many_memories_are_moved_as_one(model):

@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import (
-    Asymmetric,
-    BoucWen,
-    PoleError,
-    PrandtlIshlinskii,
-    steady_cycle,
-)
+from activesuit.hysteresis import Asymmetric, BoucWen, PoleError, PrandtlIshlinskii, steady_cycle
 from activesuit.hysteresis.around import sprung
 from activesuit.hysteresis.protocol import follow
 from known_models import ELBOW, KNOWN

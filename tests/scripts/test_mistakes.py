@@ -166,7 +166,7 @@ C_CODE = {
     "nosuch": "unknown suit 'nosuch'",
     "mock-suit --joint knee": "unknown joint of this suit 'knee': use one of elbow_flexion",
     "mock-suit --payload 3": "--payload is {'mass': 3.0}, and a suit has none",
-    "mock-suit --out 3.h": "begin it with a letter",
+    "mock-suit --out 3.h": "begin the name with a letter",
     "published-2022": "--allow-uncertified",
     "adaptive": "cannot be exported as C code: use one of transparent, gravity",
     "none": "cannot be exported as C code",

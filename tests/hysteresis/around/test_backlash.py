@@ -3,28 +3,16 @@
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import (
-    Asymmetric,
-    Backlash,
-    BoucWen,
-    Clipped,
-    Duhem,
-    HingedStops,
-    PrandtlIshlinskii,
-)
+from activesuit.hysteresis import Asymmetric, Backlash, Clipped
 from activesuit.hysteresis.around import backlash_kernels as kernels
 from activesuit.hysteresis.protocol import follow
 from helpers import sweep
-from known_models import ELBOW, IN_A_RANGE
+from known_models import KNOWN
 
 GAP = 0.05
-STOPS = {"stiffness": 0.5, "thresholds": (0.05, 0.2), "weights": (6.0, 4.0)}
 RISING = (  # models whose torque rises with the angle, in the motions here
-    *(ELBOW, IN_A_RANGE, Asymmetric(model=IN_A_RANGE, polynomial=[0.3, 0.5, 0.8])),
-    BoucWen(elastic=0.2, hysteretic=4.0, beta=6.0, gamma=2.0, n=1.5),
-    PrandtlIshlinskii(**STOPS),
-    HingedStops(**STOPS, knots=(-0.5, 0.5), slopes=(1.0, 0.2, 2.0)),
-    Duhem(spring=(-0.4, 0.6, 0.2), stiffness=9.0, friction_up=1.5, friction_down=2.5),
+    *("J-A elbow-sa-pso", "elbow-sa-pso in a range", "asymmetric in a range", "bouc-wen, n = 1.7"),
+    *("prandtl-ishlinskii stops", "hinged stops"),
 )
 
 
@@ -86,7 +74,7 @@ def test_where_the_torque_falls_the_suit_snaps_across_and_gives_no_energy_either
 
 def test_the_work_is_what_the_model_takes_and_closed_cycles_give_no_energy():
     rng = np.random.default_rng(1)
-    for model in RISING:
+    for model in map(KNOWN.__getitem__, RISING):
         for _ in range(20):
             joint = Backlash(model=model, gap=rng.uniform(0.001, 0.4))
             turns = rng.uniform(0.0, 1.6, 4)

@@ -31,10 +31,8 @@ def test_the_published_shoulder_is_safe_in_its_range(kept, shoulder):
     assert certificate.certified
     assert certificate.dissipative
     assert certificate.angle_range == (-np.inf, np.inf)
-    rng = np.random.default_rng(0)
-    for _ in range(200):
-        torque = kept.response(rng.normal(0.8, 1.5, 40))
-        assert np.abs(torque).max() <= certificate.torque_bound
+    torque = kept.response(np.random.default_rng(0).normal(0.8, 1.5, 8000))
+    assert np.abs(torque).max() <= certificate.torque_bound
 
 
 def test_the_engine_accepts_it(kept, shoulder):

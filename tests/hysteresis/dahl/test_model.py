@@ -112,7 +112,7 @@ def test_bad_parameters():
     limits = {"rate_up": 1.0, "limit_up": 1.0, "rate_down": 1.0, "limit_down": -1.0}
     rows = [
         ({"rate_up": 0}, r"rate_up is 0: give a number above 0 \(1/rad\)"),
-        ({"limit_down": 2}, "limit_down is 2 N·m: it must be below limit_up"),
+        ({"limit_down": 2}, "limit_down is 2 N·m: give a limit below limit_up"),
     ]
     assert_refused(lambda changes: Duhem.from_limits(**{**limits, **changes}), rows)
     with pytest.raises(InputError, match=r"friction is 0\.0 N·m: give a number above 0"):

@@ -110,8 +110,8 @@ def say(key, value, what):
 
 BAD = [
     ("jiles_atherton", {"joint": "nope"}, "of joint 'nope': the model has no such joint"),
-    ("jiles_atherton", {"joint": "ball"}, "of joint 'ball': it is not a hinge or a slide"),
-    ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': it is not a hinge or a slide"),
+    ("jiles_atherton", {"joint": "ball"}, "of joint 'ball': the joint is not a hinge or a slide"),
+    ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': the joint is not a hinge"),
     ("jiles_atherton", {"Ms": "many"}, say("Ms", "many", ONE_NUMBER)),
     ("jiles_atherton", {"a": "-3"}, say("a", "-3", "give a number above 0")),
     ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use rad or deg")),
@@ -180,5 +180,5 @@ def test_a_joint_has_one_model():
     text = mjcf("jiles_atherton", JILES_ATHERTON)
     second = mjcf("preisach", PREISACH).partition("<extension>")[2].partition("</extension>")[0]
     twice = text.replace("</extension>", second.replace('name="i"', 'name="k"') + "</extension>")
-    with pytest.raises(ValueError, match="'one': another instance resists it already"):
+    with pytest.raises(ValueError, match="'one': another instance resists the joint already"):
         mujoco.MjModel.from_xml_string(twice)

@@ -218,25 +218,13 @@ def worker(xml):
     return data.qpos.tolist()
 
 
-WORKER = """
-import sys, mujoco, activesuit.hysteresis.engine
-model = mujoco.MjModel.from_xml_string(sys.stdin.read())
-data = mujoco.MjData(model)
-mujoco.mj_step(model, data, 100)
-print(data.qpos.tolist())
-"""
-
-
-def test_forked_and_fresh_processes_agree(elbow):
+def test_a_forked_process_agrees(elbow):
     spec = mujoco.MjSpec.from_string(CHAIN)
     attach(spec, "one", elbow)
     xml = spec.to_xml()
     here = worker(xml)
     with multiprocessing.get_context("fork").Pool(1) as pool:
         assert pool.apply(worker, (xml,)) == here
-    command = [sys.executable, "-c", WORKER]
-    fresh = subprocess.run(command, input=xml, capture_output=True, text=True, check=True)
-    assert fresh.stdout.strip() == str(here)
 
 
 SECOND = """

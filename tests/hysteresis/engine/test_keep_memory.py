@@ -113,15 +113,6 @@ def test_a_scaled_model_goes_on_with_the_scaled_torque(model):
     np.testing.assert_allclose(moved(two, rest)[:, 0], expected, rtol=1e-7, atol=1e-8)
 
 
-def test_a_slider_there_and_back_leaves_nothing_behind(model):
-    data = simulation(model)
-    before = moved(data, PATH)[-1]
-    for stronger in (1.2, 1.7, 0.6, 1.0):
-        other = model.scaled(torque=stronger)
-        replace_model(data.model, data.plugin_state, "j", other, keep_memory=True)
-    assert shown(data)[0] == pytest.approx(before[0], rel=1e-9)
-
-
 def test_a_limit_that_falls_takes_the_state_along():
     data = simulation(BoucWen(elastic=0, hysteretic=10, beta=3, gamma=2, n=1))
     moved(data, PATH)

@@ -116,41 +116,6 @@ def test_a_bad_path_is_refused(shoulder):
         pendulum(shoulder, start_path=[2.5, -1.0], allow_uncertified=True)
 
 
-def swing(model, timestep, integrator, seconds=2.0):
-    """Free swing from 1 rad: gap of the energy ledger, relative to what was lost, and torque."""
-    compiled = pendulum(model, timestep, integrator)
-    compiled.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
-    data = mujoco.MjData(compiled)
-    data.qpos[0] = 1.0
-    state, _ = model.step(model.start(0.0), 1.0)
-    damped, ledger, losses, torques = 0.0, [], [], []
-    for _ in range(round(seconds / timestep)):
-        mujoco.mj_forward(compiled, data)
-        before = data.qvel[0]
-        stored, lost = model.energy(state)
-        ledger.append(data.energy.sum() + stored + lost + damped)
-        losses.append(lost)
-        torques.append(-data.sensor("j_suit_torque").data[0])
-        mujoco.mj_step(compiled, data)
-        damped += compiled.dof_damping[0] * timestep * (before**2 + data.qvel[0] ** 2) / 2
-        state, _ = model.step(state, data.qpos[0])
-    assert np.diff(losses).min() > -1e-8
-    return np.abs(np.array(ledger) - ledger[0]) / (damped + np.ptp(losses)), np.array(torques)
-
-
-def test_energy_ledger_of_a_damped_swing_closes(model):
-    """Kinetic, potential, stored, dissipated and damped energy stay together what they were."""
-    runs = [swing(model, dt, "implicitfast") for dt in (0.002, 0.001, 0.0005)]
-    (coarse, first), (middle, second), (fine, third) = runs
-    assert middle[-1] < 1e-3
-    assert fine.max() < 0.6 * middle.max() < 0.4 * coarse.max()
-    # The torque converges with the time step too.
-    change = np.abs(second[::2] - first).max()
-    assert np.abs(third[::4] - second[::2]).max() < 0.6 * change < 0.1
-    # A better integrator closes the ledger at every instant: the rest was the velocity's half step.
-    assert swing(model, 0.001, "RK4")[0].max() < 1e-3
-
-
 def test_one_set_of_parameters_per_simulation(model):
     compiled = pendulum(model)
     batch = Batch(compiled, nsim=3, nthread=2)

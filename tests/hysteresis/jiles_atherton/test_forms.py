@@ -111,8 +111,14 @@ def test_forms_against_their_printed_equations(parameters, form):
             max_step=parameters[1] / 50,
         )
         expected.append(solved.y[0, -1])
-    found = magnetic(parameters, form).response(turns)
+    model = magnetic(parameters, form)
+    found, state = model.response(turns), model.start(0.0)
     np.testing.assert_allclose(found, expected, atol=1e-6 * parameters[0])
+    for angle, torque in zip(turns, found, strict=True):
+        state, stepped = model.step(state, angle)
+        assert stepped == torque
+    assert model.certificate().margin == -math.inf
+    assert not model.certificate().dissipative
 
 
 def test_clamps_at_the_published_shoulder(shoulder):

@@ -11,7 +11,6 @@ from activesuit.hysteresis import PoleError
 from activesuit.hysteresis.preisach import kernels
 from activesuit.hysteresis.preisach.model import Preisach
 from activesuit.hysteresis.protocol import follow
-from activesuit.hysteresis.stops import PrandtlIshlinskii
 from helpers import assert_refused, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -91,16 +90,6 @@ def test_a_closed_loop_leaves_no_trace(path, turn, inner, tail):
     assert plain[len(path) :].tolist() == wiped[len(path) + len(loop) + 1 :].tolist()
 
 
-@given(path=paths, other=paths, low=angles, high=angles)
-@settings(deadline=None)
-def test_loops_between_the_same_angles_are_congruent(path, other, low, high):
-    model = random_model(5)
-    loop = sweep(low, high, low, samples=9) if low != high else np.full(3, low)
-    one = model.response([*path, high, low, *loop])[len(path) + 1 :]
-    two = model.response([*other, high, low, *loop])[len(other) + 1 :]
-    np.testing.assert_allclose(one - one[0], two - two[0], atol=1e-12)
-
-
 def test_uniform_density_in_closed_form():
     # E(alpha, beta) = weight (alpha - beta)^2 / 2, loss = weight (alpha - beta)^3 / 12.
     model = uniform_model()
@@ -110,33 +99,6 @@ def test_uniform_density_in_closed_form():
     np.testing.assert_allclose(torque, expected, atol=1e-13)
     loss = ledger(model, [0.0, turn])[2]
     assert loss[1] == pytest.approx(3 * turn**3 / 12, rel=1e-13)
-
-
-def test_first_order_curves_give_the_density_back():
-    # Mayergoyz: the density is the mixed second difference of the first-order curves.
-    model = random_model(7)
-    relaxed = replace(model, elastic=())
-    everett = np.zeros((7, 7))
-    for i, turn in enumerate(model.levels):
-        torque = relaxed.response([0.0, turn, *model.levels[i::-1]])
-        everett[i, : i + 1] = (torque[2:] - torque[1])[::-1]
-    found = -np.diff(np.diff(everett, axis=0), axis=1)
-    for i, row in enumerate(model.density):
-        np.testing.assert_allclose(found[i, : i + 1], row, atol=1e-12)
-
-
-def test_a_thin_line_of_relays_is_a_stop():
-    # A stop of threshold r holds relays with alpha - beta = 2 r only (Brokate and Sprekels 1996).
-    step = 0.01
-    model = Preisach(
-        levels=step * np.arange(201),
-        density=[row[: i + 1] for i, row in enumerate(3 * step * np.eye(200, k=-60))],
-        elastic=[3.0] * 200,
-    )
-    stop = PrandtlIshlinskii(stiffness=0.0, thresholds=[30 * step], weights=[3.0])
-    path = np.concatenate([[0.0, 2.0], np.random.default_rng(0).uniform(0, 2, 50)])
-    torque, expected = model.response(path)[1:], stop.response(path)[1:]
-    np.testing.assert_allclose(torque - torque[0], expected - expected[0], atol=2 * 3 * step)
 
 
 def assert_tangents(model, state):
