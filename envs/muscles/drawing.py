@@ -1,4 +1,4 @@
-"""What an arm shows of its muscles while it moves: MyoArm beside it, colored by activation."""
+"""The muscles of an arm that moves: MyoArm is drawn beside the arm, colored by activation."""
 
 from collections import deque
 from itertools import pairwise
@@ -34,16 +34,16 @@ def color_of(active: ArrayLike) -> Array:
 
 
 def width_of(active: ArrayLike) -> Array:
-    """Returns how thick muscles are drawn [m]: the radius of each."""
+    """Returns the radius with which each muscle is drawn [m]."""
     return WIDTH + SWELLING * np.asarray(active)
 
 
 class LiveMuscles:
     """MyoArm's muscles on the first arm of a simulation.
 
-    Call it in each control period, since activation cannot change at once. The acceleration is
-    that of the last two periods. MyoArm stands outward of the wearer's arm, in its posture, with an
-    upper arm as long as the wearer's.
+    Call the object in each control period, since activation cannot change at once. Accelerations
+    are those of the last two periods. MyoArm stands beside the wearer's arm, on the outer side, in
+    the same posture, with an upper arm as long as the wearer's.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -56,7 +56,7 @@ class LiveMuscles:
         self._activation: Array | None = None
 
     def __call__(self) -> list[Capsule]:
-        """Returns bones and muscles as they are now; nothing before the third control period."""
+        """Returns the present bones and muscles; nothing before the third control period."""
         activation = self.activation()
         if activation is None:
             return []
@@ -72,7 +72,7 @@ class LiveMuscles:
         return found
 
     def activation(self) -> Array | None:
-        """Returns the activations of now, shape (muscles,); None before the third period."""
+        """Returns the present activations, shape (muscles,); None before the third period."""
         now = self._simulation.state.sensors.measured[0].copy()
         if now[TIME] == 0:
             self._rows.clear()

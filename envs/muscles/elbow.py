@@ -3,9 +3,9 @@
 MyoArm's upper arm hangs, its forearm is in the middle of its rotation, and its fingers are locked;
 only the elbow turns. The wearer is computed muscle control (Thelen, Anderson and Delp 2003): in
 each control period the acceleration that leads back to the intention is turned into torque, the
-torque into activations of least sum of squares, and these into excitations. Antagonists give the
-co-contraction that is asked for, and the muscles' own force-length-velocity curves are all the
-stiffness and damping that act at once: feedback comes late.
+torque into activations of least sum of squares, and the activations into excitations. Antagonists
+give the co-contraction `contraction`. Stiffness and damping that act without delay come from the
+muscles' force-length-velocity curves alone, since feedback acts late.
 """
 
 from collections import deque
@@ -53,9 +53,10 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     Args:
         suit: Name of a suit or path of a suit file, or "none".
-        gravity: Place, whose gravity acts.
-        contraction: Torque that the antagonists give at least [N·m], 0 to 15.
-        knows_suit: Whether the wearer has learned what suit and motor do, as adapted wearers have.
+        gravity: Name of the place whose gravity acts.
+        contraction: Least torque of the antagonists [N·m], 0 to 15.
+        knows_suit: Whether the wearer has learned the torques of suit and motor, as adapted wearers
+            have.
         push: Torque of a push [N·m], for 0.1 s from 1 s on; 0 for none.
     """
 
@@ -172,7 +173,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         return activation[0], float(reserve[0, 0])
 
     def _excitation(self, activation: Array) -> Array:
-        """Returns excitations with which muscles have activations a period later, if they can."""
+        """Returns the excitations after which the muscles have given activations a period later."""
         now = self.data.act
         rate = 0.5 + 1.5 * now
         lag = np.where(activation > now, 0.01 * rate, 0.04 / rate)
