@@ -1,4 +1,4 @@
-"""Evaluations in sentences: what suit and policies cost, and why motions did not go well."""
+"""Evaluations in sentences: costs of suit and policies, and reasons why motions failed."""
 
 from collections.abc import Iterator, Sequence
 from statistics import fmean
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from .compare import Evaluation
 
 SIDEWAYS = "shoulder_abduction"
-NOTED = 1.0  # [N·m], additional torque of abduction that is named
-LEAST = 0.01  # share of time at the peak torque that is worth a word
+NOTED = 1.0  # [N·m], least additional torque of abduction with a sentence
+LEAST = 0.01  # least share of time at the peak torque with a sentence
 # Words for a limit, the factor of its numbers, their unit, and the limit's name in a sentence; only
 # limits with such a name can be exceeded by an arm without motors.
 _WORDS = {
@@ -32,10 +32,10 @@ _WORDS = {
 
 
 def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy some of whose motions failed, frequent reasons first.
+    """Yields a sentence for each policy with failed motions, frequent reasons first.
 
-    Another one follows where the suited arm without assistance exceeds a limit in none of the
-    motions in which the policy does, if its score is among them.
+    With the score of the suited arm, a second sentence names the limits that the policy exceeds and
+    the suited arm without assistance keeps in the same motions.
     """
     suited = next((one for one in scores if one.policy == REFERENCES[1]), None)
     for one in scores:
@@ -57,7 +57,7 @@ def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 
 def _kept_unassisted(score: Score, suited: Score) -> list[str]:
-    """Returns words for the limits that the suited arm keeps in all motions that exceed them."""
+    """Returns words for limits that the policy exceeds where the suited arm keeps the limits."""
     mine, both = set[str](), set[str]()
     for why, theirs in zip(score.why, suited.why, strict=True):
         names = {reason.name for reason in why}
@@ -72,7 +72,7 @@ def motions_text(count: int) -> str:
 
 
 def exceeded(why: Frequent) -> str:
-    """Returns by how much a limit was exceeded, and when: the medians of these motions."""
+    """Returns a phrase with median size and time of the excess over a limit."""
     part = (why.part or "").removesuffix("_flexion").replace("_", " ")
     if why.name == "lost":
         return f"arm lost at {why.time_s:.1f} s ({part})"
@@ -90,7 +90,7 @@ def _number(value: float) -> str:
 
 
 def _hot(score: Score) -> Iterator[str]:
-    """Yields motors that were hot, or gave their peak torque, in motions that failed."""
+    """Yields phrases about motors that were hot, or gave their peak torque, in failed motions."""
     bad = ~np.array(score.success)
     for joint, times in score.hot_from.items():
         hot = np.array(times)[bad]
@@ -103,7 +103,7 @@ def _hot(score: Score) -> Iterator[str]:
 
 
 def story(evaluation: "Evaluation") -> Iterator[str]:
-    """Yields sentences: what suit and exoskeleton cost, and which policies carry the person."""
+    """Yields sentences about the cost of suit and exoskeleton, and policies with relief above 1."""
     cost = evaluation.suit_cost
     if cost is None:
         return
@@ -129,7 +129,7 @@ def story(evaluation: "Evaluation") -> Iterator[str]:
 
 
 def _abduction(evaluation: "Evaluation") -> Iterator[str]:
-    """Yields what the wearer's shoulder carries because no motor turns it aside."""
+    """Yields a sentence about the torque of shoulder abduction, which has no motor."""
     torque = {name: one.human_rms[SIDEWAYS] for name, one in evaluation.scores.items()}
     suited = torque["suited"]
     least = min((one for name, one in torque.items() if name not in REFERENCES), default=0.0)
@@ -142,7 +142,7 @@ def _abduction(evaluation: "Evaluation") -> Iterator[str]:
 
 
 def cuff_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy with cuffs: the largest forces, and their limits."""
+    """Yields a sentence for each policy with cuffs: the largest forces and the limits of force."""
     for score in scores:
         forces = [
             f"{force:.0f} N ({segment.replace('_', ' ')}; at most {FORCE_LIMITS[segment]:.0f})"
@@ -153,7 +153,7 @@ def cuff_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 
 def guard_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy with a passivity guard: the share of time it acted."""
+    """Yields a sentence for each policy with a guard: the share of time in which it acted."""
     for score in scores:
         if score.guarded:
             mean, most = (100 * of(score.guarded) for of in (fmean, max))
@@ -164,7 +164,7 @@ def guard_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 
 def outcome(score: Score) -> str:
-    """Returns a sentence about one motion: whether it went well, and what it took the wearer."""
+    """Returns a sentence about one motion: success, effort and tracking error."""
     (effort,), (tracking,), (success,) = score.effort, score.tracking, score.success
     end = ", and the arm was lost before its end" if score.failures else ""
     return (

@@ -63,10 +63,9 @@ def onnx_model(card: Card, network: Network) -> onnx.ModelProto:
 
 
 def differences(model: onnx.ModelProto, network: Network) -> dict[str, float]:
-    """Returns the largest difference between the outputs of a model and of its network.
+    """Returns the largest difference between outputs of a model and of its network, by runtime.
 
-    It is over random observations, by the name of the runtime: the reference of ONNX, and
-    onnxruntime if it is installed.
+    Observations are random; runtimes are the reference of ONNX, and onnxruntime if installed.
     """
     runtimes: dict[str, Callable[..., Any]] = {"ONNX reference": ReferenceEvaluator(model).run}
     try:
@@ -97,7 +96,7 @@ def _described(name: str, shape: list[int | str], text: str) -> onnx.ValueInfoPr
 
 
 def _metadata(card: Card) -> dict[str, str]:
-    """Returns what the network observes and where it was trained: JSON, and the contract's hash."""
+    """Returns observation and environment of the training as JSON, and the contract's hash."""
     sensors = checked_sensors(card.observation.get("sensors", ()))
     parts = {
         part.name: {name: getattr(part, name) for name in ("shows", "unit", "limit", "scale")}

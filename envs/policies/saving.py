@@ -26,15 +26,15 @@ _ACTIVATIONS = {"Tanh": "tanh", "ReLU": "relu"}
 
 
 def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
-    """Makes a policy of a trained network, for every command that takes a policy.
+    """Saves a trained network as a policy, for every command that takes a policy.
 
     Args:
         model: PPO, A2C or SAC of Stable-Baselines3, TQC or RecurrentPPO of sb3-contrib; or, of any
             other learner, the network of the mean action: a `torch.nn.Sequential` of Linear layers
             with Tanh or ReLU between them, whose actions are clipped to -1 and 1 or pass a last
             Tanh, or a `Network` of arrays.
-        folder: Folder of the policy, which is made; one that is there gets new files.
-        env: Environment that the model was trained in, single or vector, wrapped or not.
+        folder: New folder of the policy, or an existing one, whose files are replaced.
+        env: Environment of the training, single or vector, wrapped or not.
     """
     folder, arms = Path(folder), _arms_of(env)
     network, plant = network_of(model), Plant.of(arms.episodes)
@@ -167,7 +167,7 @@ def _layered(
 
 
 def layers_of(layers: Iterable[Any]) -> dict[str, NDArray[np.float32]]:
-    """Returns the weights of the linear layers of torch among some, by their names in a network."""
+    """Returns the weights of those layers that are Linear of torch, by their names in a network."""
     from torch import nn
 
     found = {}

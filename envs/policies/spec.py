@@ -20,12 +20,12 @@ _FIXES: dict[Any, str] = {
 
 @dataclass(frozen=True)
 class PolicySpec:
-    """A policy as plain data: which one, and what differs from its usual options.
+    """A policy as plain data: its name, and the options that are not the default ones.
 
     Attributes:
         name: Name among `POLICIES` or `shipped_policies`, the folder of a training run, or
             "package.module:Class" for a class of your own.
-        options: Values of its options by name.
+        options: Values of options by name.
     """
 
     name: str
@@ -50,12 +50,9 @@ def is_saved(text: str) -> bool:
 
 
 def parsed(given: AnyPolicy, names: Container[str], *, trust: bool) -> PolicySpec:
-    """Returns a policy as data, with options that are not checked yet.
+    """Returns a policy as data, with unchecked options; `given` and `trust` as in `policy_spec`.
 
-    Args:
-        given: A policy; see `policy_spec`.
-        names: Names of policies, after which a colon begins options and no class.
-        trust: Whether a JSON file may name "package.module:Class".
+    After one of `names` a colon begins options; after other names a colon begins a class.
     """
     if isinstance(given, PolicySpec):
         return given
@@ -124,7 +121,7 @@ def _flat(options: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
 
 
 def typed(what: str, value: Any, kind: Any) -> Any:
-    """Returns a value as the type of its option, also where it is the text of one."""
+    """Returns a value, or a text of that value, as the type of its option."""
     if isinstance(value, bool) and kind in (int, float):
         raise InputError(f"{what} is {value}: give a number")
     try:
