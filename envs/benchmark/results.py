@@ -1,4 +1,4 @@
-"""Results of the benchmark: a trial makes one, and lines of JSON hold them for anyone to merge."""
+"""Results of the benchmark: each trial makes one, and files of JSON lines can be merged."""
 
 import json
 import math
@@ -43,7 +43,7 @@ SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
 class _Extra(BaseModel):
-    """What the score of an extra keeps; see `Result`."""
+    """The data of a score of an extra; see `Result`."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -69,16 +69,15 @@ class Result:
         believed: Suit that controllers believe in.
         policy: Name of the policy in tables.
         options: Policy and options as plain values.
-        effort: Effort of the adapted wearer over strength; infinite where the policy failed.
-        assisted_effort: The same of the two joints that can have a motor, likewise.
-        tracking: Tracking error [rad], likewise.
-        success: Whether the motion went well.
-        why: Limits of success that motions exceeded, the most frequent one first.
-        failed: Why the policy could not act; None if it could.
-        protocol: How the result came about.
-        extra: What each score of an extra keeps, by its name: costs, facts and packages as plain
-            values, with None for a cost that a motion does not have; or the reason why there are
-            none.
+        effort: Effort of the adapted wearer over strength; infinite for a failed policy.
+        assisted_effort: Effort of the two joints that can have a motor; infinite likewise.
+        tracking: Tracking error [rad]; infinite likewise.
+        success: Whether the motion exceeded no limit of success.
+        why: Limits of success that motions exceeded, the most frequent first.
+        failed: Reason why the policy could not act; None if it could.
+        protocol: Version, contract, seeds, motions and packages of the run.
+        extra: Data of each score of an extra, by its name: costs, facts and packages as plain
+            values, with None for a missing cost of a motion; or the reason for the missing score.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -108,7 +107,7 @@ class Result:
 
     @classmethod
     def from_json(cls, text: str, name: str) -> "Result":
-        """Returns the result that `to_json` wrote; messages about bad text begin with `name`."""
+        """Returns the result in a line of JSON; error messages begin with `name`."""
         try:
             found = _RESULT.validate_python(parse_json(text, name, fix="delete it"))
         except ValidationError as error:
@@ -145,10 +144,10 @@ def lines(results: Iterable[Result]) -> str:
 
 
 def read_results(paths: Sequence[Path]) -> list[Result]:
-    """Reads and merges results of several runs: files of results, or folders that have one.
+    """Reads and merges results of several runs: files of results, or folders with such a file.
 
-    A trial that was run several times, with other scores of extras, counts once, with all of them.
-    Results of different contracts cannot be compared, and are refused.
+    Runs of one trial with different scores of extras become one result with all scores. Results of
+    different contracts cannot be compared, and are refused.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""
@@ -191,7 +190,7 @@ def read_text(path: Path, what: str = "results") -> str:
 def run_trial(suite: Suite, trial: Trial) -> Result:
     """Runs one policy on all motions of a setting, with adapted wearers, on one thread.
 
-    Where the policy cannot act, every motion is failed, and the result says why.
+    If the policy cannot act, every motion is failed, and the result has the reason.
     """
     episodes, name = suite.motions_of(trial.policy), trial.policy.name
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
@@ -217,7 +216,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
 
 
 def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
-    """Returns what a score keeps of the motions, or why they cannot be scored."""
+    """Returns the data of a score of motions, or the reason why the motions have no score."""
     score = SCORES.find(name)
     try:
         found = score.scored(traces, threads=1, on_motion=lambda: None)
@@ -228,7 +227,7 @@ def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Returns a value of a score as JSON has it: rounded, and None where it is not finite."""
+    """Returns a value of a score as plain JSON values: rounded, and None if not finite."""
     if isinstance(value, dict):
         return {name: _plain(one) for name, one in value.items()}
     if isinstance(value, tuple):
@@ -237,5 +236,5 @@ def _plain(value: Any) -> Any:
 
 
 def _rounded(value: float) -> float:
-    """Returns a value as it is kept; an infinite one in place of NaN."""
+    """Returns a rounded value, and infinity for NaN."""
     return math.inf if math.isnan(value) else float(f"{round(value, SMALLEST):.{DIGITS}g}")

@@ -1,4 +1,4 @@
-"""Validations of suits in sentences: verdict, relief, and what limits both."""
+"""Validations of suits in sentences: verdict, relief, and limits of both."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ TRUE = "true model"  # name of the policy that believes the true suit
 
 
 def story(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
-    """Yields sentences about a believed suit and its name: verdict with range, limits, relief."""
+    """Yields sentences about a believed suit: verdict with range of angles, limits, relief."""
     nrmse = found.torque.nrmse
     if nrmse is None:
         yield f"{believed}: nothing to judge, as the true suit resists no assisted joint"
@@ -48,9 +48,9 @@ def story(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
 def answer(
     found: "Validation", believed: str, suit: Suit, policy: str, evaluation: "Evaluation"
 ) -> Iterator[str]:
-    """Yields how well a policy with an identified model works, and what that leaves out.
+    """Yields sentences about the results of a policy with an identified model, and their limits.
 
-    The model and the samples of the suit, whose name is `believed`, are the true ones here.
+    The true suits are the model and the samples of the believed suit, whose name is `believed`.
     """
     joints = {joint: suit.joints[joint] for joint in found.torque.covered}
     nrmse = found.torque.nrmse
@@ -73,7 +73,7 @@ def answer(
 
 
 def lacking(believed: str, suit: Suit, true: str, plant: Suit) -> Iterator[str]:
-    """Yields joints that are not assisted, and why."""
+    """Yields sentences about joints that are not assisted, and the reasons."""
     for joint in ASSISTED:
         if joint not in plant.joints:
             yield f"{joint}: nothing to assist, because {true} has no such joint"
@@ -82,7 +82,7 @@ def lacking(believed: str, suit: Suit, true: str, plant: Suit) -> Iterator[str]:
 
 
 def covered_by(cells: Iterable["Validation"]) -> str:
-    """Returns a sentence that names the angles which the motions of all validations covered."""
+    """Returns a sentence about the ranges of angles in the motions of all validations."""
     ends: dict[str, list[float]] = {}
     for found in cells:
         for joint, covered in found.torque.covered.items():
@@ -92,7 +92,7 @@ def covered_by(cells: Iterable["Validation"]) -> str:
 
 
 def _ranges(found: "Validation") -> str:
-    """Returns the angles that the motions covered, by joint."""
+    """Returns a phrase with the range of angles of the motions, by joint."""
     covered = found.torque.covered.items()
     return ", ".join(f"{joint} from {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered)
 
@@ -102,7 +102,7 @@ def _covered(found: "Validation") -> str:
 
 
 def _beyond(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
-    """Yields joints that moved beyond the range in which they were identified."""
+    """Yields sentences about joints that moved beyond the range of their identification."""
     for joint, (low, high) in found.torque.covered.items():
         least, most = suit.joints[joint].range
         if low < least - 0.05 or high > most + 0.05:
@@ -110,7 +110,7 @@ def _beyond(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
 
 
 def _effort_compared(policy: str, evaluation: "Evaluation") -> str:
-    """Returns whether the wearer works less than without exoskeleton, and what limits that."""
+    """Returns a sentence that compares the effort with that without exoskeleton, and its limit."""
     (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
     suited, true = (np.array(evaluation.scores[name].effort) for name in ("suited", TRUE))
     effort = np.array(own.effort)
@@ -129,6 +129,6 @@ def _effort_compared(policy: str, evaluation: "Evaluation") -> str:
 
 
 def _compared(effort: Array, other: Array) -> str:
-    """Returns how the effort of the same motions compares with another, by its 95 % interval."""
+    """Returns a phrase that compares two efforts by the 95 % interval of the difference."""
     apart = mean_interval(effort - other)
     return LESS if apart.high < 0 else "more than" if apart.low > 0 else "as much as"
