@@ -68,10 +68,8 @@ class Evaluation:
 
     def _relief(self, policy: str, effort: str) -> Interval | None:
         self._check(policy)
-        if any(name not in self.scores for name in REFERENCES):
-            return None
-        names = (*REFERENCES, policy)
-        return relief_interval(*(getattr(self.scores[name], effort) for name in names))
+        found = [self.scores.get(name) for name in (*REFERENCES, policy)]
+        return relief_interval(*(getattr(one, effort) for one in found)) if all(found) else None
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
         """Returns the paired difference of relief, policy less other; None as for `relief`."""
@@ -99,6 +97,7 @@ class Evaluation:
 
     @cached_property
     def _costs(self) -> dict[str, extra_scores.Costs]:
+        """Costs by score, policy and name of the cost."""
         return {name: extra_scores.costs_of(name, found) for name, found in self.extras.items()}
 
     def to_dict(self) -> dict[str, Any]:

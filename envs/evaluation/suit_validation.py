@@ -25,9 +25,16 @@ from .figures import motion_plots
 from .report import score_table, trace_columns
 from .rollout import Trace
 from .run import FIRST_SEED
-from .sentences import cuff_remarks, why_remarks
+from .sentences import (
+    TRUE,
+    answer,
+    covered_by,
+    cuff_remarks,
+    lacking,
+    validation_story,
+    why_remarks,
+)
 from .statistics import FEWEST_MOTIONS, Interval, interval_text
-from .validation_sentences import TRUE, answer, covered_by, lacking, story
 from .verdict import LIMITS, RULE, TorqueError, TorqueErrors, torque_errors
 
 LEAST, MOST = 0.01, 0.5  # NRMSE at the ends of the color scale of the matrix
@@ -169,7 +176,7 @@ class SuitValidation:
         if found.same and drawn:
             said = answer(found, suit, believed, self.policy, evaluation)
         else:
-            said = story(found, suit, believed)
+            said = validation_story(found, suit, believed)
         scores = [*evaluation.scores.values()]
         lacks = lacking(suit, believed, true, load_suit(self.plants[true]))
         return [*said, *lacks, *why_remarks(scores), *cuff_remarks(scores), *rule]

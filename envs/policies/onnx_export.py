@@ -1,7 +1,7 @@
 """Makes ONNX models of trained networks (needs the extra `onnx`)."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from ... import __version__
-from ...arrays import AnyArray, Array
+from ...arrays import AnyArray
 from ..interface.observation import SUITES, checked_sensors
 from .network import LSTM, LSTM_ARRAYS, Card, Network
 
@@ -81,14 +81,12 @@ def differences(model: onnx.ModelProto, network: Network) -> dict[str, float]:
     given, moved = {"observation": observation}, memory.astype(float)
     if network.hidden:
         given["memory"] = memory
-    expected = [network.act(observation, moved), moved]
-    return {name: _largest(run(None, given), expected) for name, run in runtimes.items()}
-
-
-def _largest(found: Sequence[AnyArray], expected: Sequence[Array]) -> float:
-    """Returns the largest difference; nan if a value is not a number."""
-    pairs = zip(found, expected[: len(found)], strict=True)  # a memory only where there is an LSTM
-    return float(np.max([np.abs(one - other).max(initial=0.0) for one, other in pairs]))
+    expected = (network.act(observation, moved), moved)[: len(given)]  # memory only with an LSTM
+    found = {}
+    for name, run in runtimes.items():
+        pairs = zip(run(None, given), expected, strict=True)
+        found[name] = float(np.max([np.abs(one - other).max() for one, other in pairs]))
+    return found
 
 
 def _described(name: str, shape: list[int | str], text: str) -> onnx.ValueInfoProto:
