@@ -63,37 +63,26 @@ else:  # a file is checked as the model, and what is kept are plain values
 class Result:
     """Result of one trial; a tuple has one value per motion.
 
-    Attributes:
-        task: Name of the task.
-        level: Name of the level.
-        believed: Suit that controllers believe in.
-        policy: Name of the policy in tables.
-        options: Policy and options as plain values.
-        effort: Effort of the adapted wearer over strength; infinite for a failed policy.
-        assisted_effort: Effort of the two joints that can have a motor; infinite likewise.
-        tracking: Tracking error [rad]; infinite likewise.
-        success: Whether the motion exceeded no limit of success.
-        why: Limits of success that motions exceeded, the most frequent first.
-        failed: Reason why the policy could not act; None if it could.
-        protocol: Version, contract, seeds, motions and packages of the run.
-        extra: Data of each score of an extra, by its name: costs, facts and packages as plain
-            values, with None for a missing cost of a motion; or the reason for the missing score.
+    Effort and tracking error are infinite for a failed policy. `extra` has the data of scores of
+    extras by name: costs, facts and packages as plain values, with None for a missing cost of a
+    motion; or the reason for the missing score.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
     task: str
     level: str
-    believed: Name
-    policy: Name
-    options: dict[str, Any]
+    believed: Name  # suit that controllers believe in
+    policy: Name  # name of the policy in tables
+    options: dict[str, Any]  # policy and options as plain values
+    # Effort of the adapted wearer over strength, of four joints and of those that can have a motor.
     effort: Annotated[tuple[Kept, ...], Field(min_length=1)]
     assisted_effort: tuple[Kept, ...]
-    tracking: tuple[Kept, ...]
-    success: tuple[bool, ...]
-    failed: str | None
-    protocol: dict[str, Any]
-    why: tuple[Frequent, ...] = ()
+    tracking: tuple[Kept, ...]  # tracking error [rad]
+    success: tuple[bool, ...]  # whether the motion exceeded no limit of success
+    failed: str | None  # reason why the policy could not act
+    protocol: dict[str, Any]  # version, contract, seeds, motions and packages of the run
+    why: tuple[Frequent, ...] = ()  # exceeded limits of success, the most frequent first
     extra: dict[Name, Extra] = field(default_factory=dict)
 
     def to_json(self) -> str:

@@ -90,28 +90,18 @@ class Suite:
     At "shift" controllers believe in the same suits, but the wearer's suit is the EMU-like one at
     40 kPa: the believed suit is of another family, or has another pressure.
 
-    Attributes:
-        name: Name of the suite.
-        policies: Policies by their labels in tables.
-        tasks: Names of tasks.
-        levels: Names of levels.
-        believed: Names or files of suits that controllers believe in.
-        motions: Number of motions of each policy, at least 8.
-        coupling: Connection of the exoskeleton to the arm.
-        options: Other options of the environment in all settings; results with other options have
-            another contract.
-        scores: Names of scores of extras, which change no other number and are not in the contract.
+    Other options of the environment change the contract; scores of extras do not.
     """
 
     name: str
-    policies: dict[str, PolicySpec]
+    policies: dict[str, PolicySpec]  # by their labels in tables
     tasks: tuple[str, ...] = tuple(TASKS)
     levels: tuple[str, ...] = COMPARED
-    believed: tuple[str, ...] = BELIEVED
-    motions: int = 20
-    coupling: Literal["rigid", "cuffs"] = "rigid"
-    options: Mapping[str, Any] = field(default_factory=dict)
-    scores: tuple[str, ...] = ()
+    believed: tuple[str, ...] = BELIEVED  # names or files of suits that controllers believe in
+    motions: int = 20  # number of motions of each policy, at least 8
+    coupling: Literal["rigid", "cuffs"] = "rigid"  # of the exoskeleton to the arm
+    options: Mapping[str, Any] = field(default_factory=dict)  # of the environment, in all settings
+    scores: tuple[str, ...] = ()  # names of scores of extras
 
     def __post_init__(self) -> None:
         for name in ("suit", "level", "coupling", "reward"):

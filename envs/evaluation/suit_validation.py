@@ -104,24 +104,17 @@ def believed_joints(
 
 @dataclass(frozen=True, kw_only=True)
 class SuitValidation:
-    """Result of `validate`, whose arguments are the first attributes.
-
-    Attributes:
-        believed: Believed suits, by name.
-        plants: Simulated suits, by name.
-        cells: Validations, by the names of the believed and of the simulated suit.
-        evaluations: Evaluations of all policies, by the name of the simulated suit.
-    """
+    """Result of `validate`, whose arguments are the first attributes."""
 
     env_id: str
     policy: str
     motions: int
     seed: int
     options: Mapping[str, Any]
-    believed: Mapping[str, AnySuit]
-    plants: Mapping[str, AnySuit]
-    cells: Mapping[tuple[str, str], Validation]
-    evaluations: Mapping[str, Evaluation]
+    believed: Mapping[str, AnySuit]  # by name
+    plants: Mapping[str, AnySuit]  # simulated suits, by name
+    cells: Mapping[tuple[str, str], Validation]  # by the names of believed and simulated suit
+    evaluations: Mapping[str, Evaluation]  # of all policies, by the name of the simulated suit
 
     @property
     def place(self) -> str:

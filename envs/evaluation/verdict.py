@@ -127,13 +127,7 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
 
 
 def torque_error(believed: Sequence[Array], true: Sequence[Array], dt: float) -> TorqueError:
-    """Compares believed with true torque in at least 8 motions.
-
-    Args:
-        believed: Believed resistance in each motion [N·m], shape (n, joints).
-        true: True resistance [N·m], of the same shapes.
-        dt: Time between samples [s].
-    """
+    """Compares believed with true resistance [N·m], shape (n, joints), in at least 8 motions."""
     largest = np.max([np.abs(one).max(axis=0) for one in true], axis=0)
     pairs = list(zip(believed, true, strict=True))
     apart = [one - other for one, other in pairs]
@@ -187,24 +181,19 @@ def noise_of(joint: SuitJoint) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class CurveError:
-    """Predicted less measured torque of one curve: root mean square, largest size and mean [N·m].
-
-    `nrmse` is the root mean square over the largest measured torque of the curve.
-    """
+    """Predicted less measured torque of one curve."""
 
     curve: str
-    rms: float
-    peak: float
-    bias: float
-    nrmse: float
+    rms: float  # root mean square [N·m]
+    peak: float  # largest absolute error [N·m]
+    bias: float  # mean [N·m]
+    nrmse: float  # root mean square over the largest measured torque of the curve
 
 
 def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) -> list[CurveError]:
     """Compares a joint with measured curves, each from the initial state of the joint's memory.
 
-    Args:
-        joint: Joint of a believed suit.
-        curves: Angles [rad] and measured torques [N·m] of each curve, by its name.
+    Curves are angles [rad] and measured torques [N·m], by name.
     """
     found = []
     for name, (angle, torque) in curves.items():

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS, load_suit
-from ...checks import flag, number, within
+from ...checks import within
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine import attach
 from ..model.config import GRAVITY, NO_SUIT, place_of
@@ -43,7 +43,7 @@ EFFORT, ERROR, CHANGE = 0.1, 0.1, 0.25  # activation, rad, share of the peak: a 
 
 
 class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
-    """An elbow that muscles move in a suit, with a motor beside it.
+    """An elbow that muscles move in a suit, with a motor.
 
     The action is the motor's torque over its peak of 25 N·m, shape (1,). The observation has angle
     [rad], rate [rad/s], the motor's torque over its peak and the last action, shape (4,). The
@@ -55,9 +55,6 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         suit: Name of a suit or path of a suit file, or "none".
         gravity: Name of the place whose gravity acts.
         contraction: Least torque of the antagonists [N·m], 0 to 15.
-        knows_suit: Whether the wearer has learned the torques of suit and motor, as adapted wearers
-            have.
-        push: Torque of a push [N·m], for 0.1 s from 1 s on; 0 for none.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
@@ -68,16 +65,12 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         suit: str = "mock-suit",
         gravity: str = "earth",
         contraction: float = USUAL_CONTRACTION,
-        knows_suit: bool = True,
-        push: float = 0.0,
     ) -> None:
         place = place_of("gravity", gravity)
         if place not in GRAVITY:
             raise unknown_name("gravity", gravity, GRAVITY)
         within("contraction", contraction, 0, MOST_CONTRACTION, " N·m")
-        flag("knows_suit", knows_suit)
-        self.contraction, self.knows_suit = contraction, knows_suit
-        self.push = number("push", push, "N·m")
+        self.contraction = contraction
         self.model = _elbow(suit, GRAVITY[place])
         self.data = mujoco.MjData(self.model)
         self.muscles = tuple(self.model.actuator(i).name for i in range(self.model.nu))
@@ -114,8 +107,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         now = self._intention[min(self._step, self._samples - 1)]
         activation, reserve = self._wanted_activation(now)
         self.data.ctrl[:] = self._excitation(activation)
-        pushed = self.push if 1.0 <= self.data.time < 1.1 else 0.0
-        self.data.qfrc_applied[0] = self._motor + pushed
+        self.data.qfrc_applied[0] = self._motor
         mujoco.mj_step(self.model, self.data, SUBSTEPS)
         mujoco.mj_forward(self.model, self.data)
         error = now[0] - self.data.qpos[0]
@@ -163,7 +155,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         """Returns the activations that lead to the intention, and the reserve torque [N·m]."""
         error, slip = self._seen[0]
         acceleration = now[2] + STIFFNESS * error + DAMPING * slip
-        known = self.data.qfrc_passive[0] + self._motor if self.knows_suit else 0.0
+        known = self.data.qfrc_passive[0] + self._motor  # the wearer has learned both
         torque = self.inertia * acceleration + self.data.qfrc_bias[0] - known
         arms, full, slack = self._arms(float(self.data.qpos[0]), moving=True)
         wanted = np.array([[torque - arms @ slack, self.contraction]])

@@ -35,16 +35,11 @@ LSTM_ARRAYS = (f"{LSTM}.input", f"{LSTM}.hidden", f"{LSTM}.bias")
 
 
 class Residual(BaseModel):
-    """A policy that a network corrects: action = policy + scale x network.
-
-    Attributes:
-        policy: The policy, as a dict of a name of this package and options.
-        scale: Scale of the correction, 0.01 to 2.
-    """
+    """A policy that a network corrects: action = policy + scale x network."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    policy: dict[str, Any]
+    policy: dict[str, Any]  # name of a policy of this package, and options
     scale: float = Field(ge=LEAST_SCALE, le=MOST_SCALE)
 
 

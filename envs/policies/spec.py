@@ -22,10 +22,8 @@ _FIXES: dict[Any, str] = {
 class PolicySpec:
     """A policy as plain data: its name, and the options that are not the default ones.
 
-    Attributes:
-        name: Name among `POLICIES` or `shipped_policies`, the folder of a training run, or
-            "package.module:Class" for a class of your own.
-        options: Values of options by name.
+    The name is one of `POLICIES` or `shipped_policies`, the folder of a training run, or
+    "package.module:Class" for a class of your own.
     """
 
     name: str
