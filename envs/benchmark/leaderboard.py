@@ -106,7 +106,7 @@ class Leaderboard(Standings):
         Each table has a row per setting, with the 95 % interval.
         """
         if len(policies) < 2:
-            raise InputError("compare needs two policies: add --policies compensation adaptive")
+            raise InputError("compare needs two policies: add --policies with both names")
         first, *others = policies
         header = ["task", "level", "believed", "difference\n(95 % interval)"]
         return {

@@ -113,13 +113,15 @@ class Result:
             raise InputError(f"{name} has series of different lengths: delete it")
         said, motions = found.protocol.get("episodes"), len(found.effort)
         if said not in (None, motions):
-            raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
+            raise InputError(
+                f"{name} has {motions} motions, and its protocol {shown(said)}: delete the line"
+            )
         for score, kept in found.extra.items():
             for cost, series in kept.get("costs", {}).items():
                 if STANDARD not in series or any(len(one) != motions for one in series.values()):
                     raise InputError(
                         f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
-                        "every other convention: delete it"
+                        "each other convention: delete the line"
                     )
         return found
 
@@ -148,8 +150,8 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
             contract = contract or mine
             if mine != contract:
                 raise InputError(
-                    f"{str(path)!r} has results of the contract {mine!r}, and those before are of "
-                    f"{contract!r}: run them anew"
+                    f"{str(path)!r} has results of the contract {mine!r}, and earlier results have "
+                    f"{contract!r}: run the trials again"
                 )
             key = (result.task, result.level, result.believed, result.policy)
             known, first = found.get(key, (result, str(path)))

@@ -107,8 +107,8 @@ class Suite:
         for name in ("suit", "level", "coupling", "reward"):
             if name in self.options:
                 raise InputError(
-                    f"{name} is given as an option of the environment, and the suite decides it: "
-                    "leave it out; name believed suits, levels or another suite"
+                    f"the suite sets the option {name} of the environment: leave {name} out, and "
+                    "name believed suits, levels or another suite"
                 )
         for what, names, known in (("task", self.tasks, TASKS), ("level", self.levels, LEVELS)):
             for name in names:

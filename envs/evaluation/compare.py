@@ -205,7 +205,7 @@ def evaluate(
     refuse_old_names(env_options, {"settled": "adapted"})
     for name in ("learned_torque", "effort_scale"):
         if name in env_options:
-            raise InputError(f"{name} is what evaluate sets itself: leave it out")
+            raise InputError(f"evaluate sets {name} itself: leave {name} out")
     if env_options.get("coupling") == "none":
         for given in named.values():
             if not callable(given) and str(given) != "none":
@@ -215,8 +215,7 @@ def evaluate(
                 )
     if references and env_options.get("suit") == NO_SUIT:
         raise InputError(
-            "references are asked for, and suit is 'none': there is no suit whose cost could be "
-            "given back, so name a suit or use references=False"
+            "references need a suit, and suit is 'none': name a suit, or use references=False"
         )
     scale, found = None, {}
     first = reversed(REFERENCES) if references else ()
@@ -302,13 +301,13 @@ def named_policies(policies: Policies) -> dict[str, Runnable]:
     for name, given in named.items():
         if name in (*POLICIES, *BOUNDS) and name not in (given, getattr(given, "name", None)):
             raise InputError(
-                f"a policy of your own has the label {name!r}, the name of another one: choose "
-                "another label"
+                f"a policy of your own has the label {name!r}, which is the name of a shipped "
+                "policy or bound: choose another label"
             )
         if name in REFERENCES:
             raise InputError(
-                f"policy {name!r} is a reference, which has no exoskeleton: leave it out, as "
-                "references=True runs it"
+                f"policy {name!r} is a reference without exoskeleton: leave it out, and use "
+                "references=True"
             )
     return named
 
@@ -321,7 +320,7 @@ def _checked(name: str | None, given: AnyPolicy | Make) -> Runnable:
     if not callable(given):
         what = "a policy" if name is None else f"policy {name!r}"
         raise InputError(
-            f"{what} is {shown(given)}: give a name, or a function from the environment to a "
-            "policy, such as the policy's class or lambda env: policy"
+            f"{what} is {shown(given)}: give a name, or a function from a plant to a policy, such "
+            "as the policy's class or lambda plant: policy"
         )
     return given

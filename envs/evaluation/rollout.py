@@ -132,7 +132,7 @@ def rollout(
     if arms.autoreset_mode is not AutoresetMode.NEXT_STEP or arms.staggered:
         raise InputError(
             f"autoreset_mode is {arms.autoreset_mode.value!r} and stagger is {arms.staggered}: "
-            "whole episodes need 'NextStep' without stagger, so leave both out"
+            "rollout needs 'NextStep' without stagger: leave both options out"
         )
     observation, _ = arms.reset(seed=list(seeds), options=dict(learned or {}))
     policy.reset()

@@ -47,19 +47,14 @@ def run(
     unadapted: bool = False,
     **options: Any,
 ) -> Run:
-    """Runs a policy, reference or bound on the motions of some seeds.
+    """Runs a policy, reference or bound, with a name for its score, on the motions of some seeds.
 
-    Args:
-        name: Name of the policy in its score.
-        given: The policy, reference or bound.
-        env_id: Id of a registered environment.
-        seeds: Seed of each motion.
-        adapted: Whether the wearers have learned the motions under the policy.
-        unadapted: Whether wearers who have not learned the motions are scored too.
-        **options: Options of the environment with an exoskeleton, and of `ArmVectorEnv`.
+    `adapted` says whether the wearers have learned the motions under the policy, `unadapted`
+    whether wearers who have not learned are scored too. Options are those of the environment with
+    an exoskeleton, and of `ArmVectorEnv`.
     """
     if options.get("reward") is not None:
-        raise InputError("scores are those of the shipped reward: leave the option reward out")
+        raise InputError("scores need the shipped reward: leave the option reward out")
     wearers = Wearers(env_id, len(seeds), **_options_of(given, options))
     try:
         make = _practiced(_maker(name, given, wearers, seeds), wearers)

@@ -145,9 +145,9 @@ def _abduction(evaluation: "Evaluation") -> Iterator[str]:
     least = min((one for name, one in torque.items() if name not in REFERENCES), default=0.0)
     if least > suited + NOTED:
         yield (
-            f"The exoskeleton hangs beside the arm and no motor abducts it: under every policy the "
-            f"wearer gives {least:.1f} N·m of abduction or more, and {suited:.1f} N·m "
-            "without exoskeleton, one joint of the four that effort is the mean of."
+            "No motor carries the exoskeleton in shoulder abduction, which is one of the four "
+            f"joints in effort: the wearer's torque of abduction is {least:.1f} N·m or more under "
+            f"every policy, and {suited:.1f} N·m without exoskeleton."
         )
 
 
@@ -187,7 +187,7 @@ def validation_story(found: "Validation", believed: str, suit: Suit) -> Iterator
     """Yields sentences about a believed suit: verdict with range of angles, limits, relief."""
     nrmse = found.torque.nrmse
     if nrmse is None:
-        yield f"{believed}: nothing to judge, as the true suit resists no assisted joint"
+        yield f"{believed}: no verdict, since the true suit has no assisted joint"
     elif found.same:
         yield f"{believed}: no verdict, since it is the true suit too; {_covered(found)}"
     else:
@@ -198,15 +198,14 @@ def validation_story(found: "Validation", believed: str, suit: Suit) -> Iterator
     yield from _beyond(found, believed, suit)
     silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
     if silent:
-        yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
+        yield f"{believed} does not contain the noise of its curves: {', '.join(silent)}"
     if found.relief is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
         return
     yield (
-        f"relief {interval_text(found.relief)}, "
-        f"{interval_text(found.difference)} beside the true model's; "
-        f"{interval_text(found.share_of_true)} of it, and "
-        f"{interval_text(found.share_of_bound)} of the best known plan's"
+        f"relief {interval_text(found.relief)}: {interval_text(found.difference)} less the relief "
+        f"with the true model, {interval_text(found.share_of_true)} of the relief with the true "
+        f"model, and {interval_text(found.share_of_bound)} of that of the best known plan"
     )
 
 

@@ -172,7 +172,7 @@ def _bootstrap_t(
     if not (np.isfinite(value) and np.isfinite(error)):
         raise InputError(
             f"the statistic is {value} with a standard error of {error}: "
-            "give one that is finite, also without any one motion"
+            "give a statistic that stays finite if any one motion is left out"
         )
     if error == 0:
         return Interval(value, value, value)
@@ -233,7 +233,7 @@ def _columns(**series: ArrayLike) -> list[Array]:
     if columns[0].size < FEWEST_MOTIONS:
         raise InputError(
             f"an interval needs at least {FEWEST_MOTIONS} motions, "
-            f"and there are {columns[0].size}: give more episodes"
+            f"and there are {columns[0].size}: give more motions"
         )
     return columns
 

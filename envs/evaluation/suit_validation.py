@@ -75,7 +75,8 @@ def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
     spec = policy_spec(policy)
     if "suit" in spec.options:
         raise InputError(
-            f"the policy {str(spec)!r} has a suit: leave that out, as the believed suits are given"
+            f"the policy {str(spec)!r} has the option suit: leave the option out, since validate "
+            "sets the believed suit"
         )
     if "suit" not in PolicyKind.of(spec.name).options:
         return spec
@@ -95,8 +96,8 @@ def believed_joints(
         found[name] = {joint: joints[joint] for joint in needed if joint in joints}
         if needed and not found[name]:
             raise InputError(
-                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the true "
-                "suit does: give one with a model of an assisted joint"
+                f"the believed suit {name!r} has no model of {' or '.join(needed)}, which the true "
+                "suit has: give a suit with a model of an assisted joint"
             )
     arms.close()
     return found
@@ -291,7 +292,7 @@ def validate(
 def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[str, AnySuit]:
     """Returns suits by name, and checks that each can be read."""
     if not given:
-        raise InputError(f"{of} has no suit: name one that the controller believes")
+        raise InputError(f"{of} has no suit: name at least one")
     if not isinstance(given, Mapping):
         once(of, given)
         given = dict(zip(given, given, strict=True))
@@ -303,13 +304,13 @@ def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[
 def _itself(believed: Mapping[str, AnySuit]) -> Mapping[str, AnySuit]:
     """Returns the one believed suit, after a check of its samples."""
     if len(believed) != 1:
-        raise InputError(f"{len(believed)} suits are given and no plant: name the simulated suit")
+        raise InputError(f"{len(believed)} suits are given and no plant: name simulated suits")
     ((name, given),) = believed.items()
     joints = load_suit(given).joints
     if not any(joints[one].samples for one in ASSISTED if one in joints):
         raise InputError(
-            f"the suit {name!r} has no samples of what its curves allow: identify it again with "
-            "samples (--samples 20), or name the simulated suit (--plant)"
+            f"the suit {name!r} has no samples: identify the suit again with samples "
+            "(--samples 20), or name the simulated suit (--plant)"
         )
     return believed
 

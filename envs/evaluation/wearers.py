@@ -103,9 +103,9 @@ class Wearers:
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
                 raise ArmLost(
-                    f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) even where "
-                    "it is guided along the motion, so that no wearer can adapt: use "
-                    "adapted=False, or mend the policy"
+                    f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) although "
+                    "the arm is guided along the motion, so that no wearer can adapt: use "
+                    "adapted=False, or repair the policy"
                 )
         return traces
 

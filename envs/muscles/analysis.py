@@ -120,8 +120,8 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
     if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():
         raise InputError(
             f"the strength of this wearer is from {ratio.min():.2f} to {ratio.max():.2f} of the "
-            "average man's, joint by joint and over time, and MyoArm is scaled by one factor: "
-            "leave fatigue out"
+            "average man's over joints and time, and MyoArm is scaled by one factor: leave "
+            "fatigue out"
         )
     scale = float(ratio.mean())
     pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS, load_suit
-from ...checks import within
+from ...checks import number, within
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine import attach
 from ..model.config import GRAVITY, NO_SUIT, place_of
@@ -55,6 +55,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         suit: Name of a suit or path of a suit file, or "none".
         gravity: Name of the place whose gravity acts.
         contraction: Least torque of the antagonists [N·m], 0 to 15.
+        push: Torque of a push [N·m], for 0.1 s from 1 s on; 0 for none.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
@@ -65,12 +66,13 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         suit: str = "mock-suit",
         gravity: str = "earth",
         contraction: float = USUAL_CONTRACTION,
+        push: float = 0.0,
     ) -> None:
         place = place_of("gravity", gravity)
         if place not in GRAVITY:
             raise unknown_name("gravity", gravity, GRAVITY)
         within("contraction", contraction, 0, MOST_CONTRACTION, " N·m")
-        self.contraction = contraction
+        self.contraction, self.push = contraction, number("push", push, "N·m")
         self.model = _elbow(suit, GRAVITY[place])
         self.data = mujoco.MjData(self.model)
         self.muscles = tuple(self.model.actuator(i).name for i in range(self.model.nu))
@@ -107,7 +109,8 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         now = self._intention[min(self._step, self._samples - 1)]
         activation, reserve = self._wanted_activation(now)
         self.data.ctrl[:] = self._excitation(activation)
-        self.data.qfrc_applied[0] = self._motor
+        pushed = self.push if 1.0 <= self.data.time < 1.1 else 0.0
+        self.data.qfrc_applied[0] = self._motor + pushed
         mujoco.mj_step(self.model, self.data, SUBSTEPS)
         mujoco.mj_forward(self.model, self.data)
         error = now[0] - self.data.qpos[0]

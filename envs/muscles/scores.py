@@ -85,7 +85,7 @@ def muscle_scores(
     if outside.mean() > MOST_OUTSIDE:
         raise InputError(
             f"{outside.mean():.0%} of the postures are outside the ranges of MyoArm's joints, "
-            "and at most half may be: score a motion inside them"
+            "and at most half may be: score a motion inside these ranges"
         )
     loads = np.sqrt(np.mean(squares, axis=0))
     loaded = np.argsort(-loads, kind="stable")[:LOADED]

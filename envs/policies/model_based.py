@@ -231,8 +231,7 @@ class Oracle(TorquePolicy):
 class Planned:
     """Gives the commands of a plan one after another, and ignores observations.
 
-    Args:
-        commands: Torque of the motors over their peaks, shape (rows, periods, 2).
+    Commands are torques of the motors over their peaks, shape (rows, periods, 2).
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)

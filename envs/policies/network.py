@@ -89,7 +89,7 @@ class Network:
         ]
         for name in known:
             if name not in self.weights:
-                raise InputError(f"the network has no {name}: give it")
+                raise InputError(f"the network has no {name}: add this array")
             _check_numbers(name, self.weights[name], 1 if name.endswith("bias") else 2)
         for name in self.weights:
             if name not in known:
@@ -235,8 +235,8 @@ def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
     content = content_of(path, "network", LARGEST)
     if hashlib.sha256(content).hexdigest() != card.weights:
         raise InputError(
-            f"{str(path)!r} and {CARD} do not belong together: their hashes differ, so that one of "
-            "them is damaged or of another training; restore both"
+            f"{str(path)!r} and {CARD} do not belong together, since their hashes differ, and one "
+            "is damaged or of another training: restore both"
         )
     try:
         network = Network(load(content), card.activation, card.squashed)

@@ -98,7 +98,7 @@ class MomentumObserver:
     """
 
     def __init__(self, bandwidth: float, dt: float) -> None:
-        self._gain, self._dt = (1 - math.exp(-bandwidth * dt)) / dt, dt  # exact if torques stay
+        self._gain, self._dt = (1 - math.exp(-bandwidth * dt)) / dt, dt  # exact if constant
 
     def begin(self, momentum: Array) -> None:
         """Begins at a momentum [N·m·s] of any shape, with residual zero."""

@@ -77,7 +77,7 @@ class PolicyKind:
         except Exception as error:  # no argument, or annotations that cannot be read
             raise InputError(
                 f"{shown(maker)} makes no policy ({type(error).__name__}: {error}): give a class "
-                "or a function whose first argument is the environment"
+                "or a function whose first argument is the plant"
             ) from error
         options: dict[str, Any] = {}
         for one in rest:
@@ -223,12 +223,12 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
     if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
-            f"{', '.join(plant.sensors)}: make it with sensors={list(sensors)}"
+            f"{', '.join(plant.sensors)}: make the environment with sensors={list(sensors)}"
         )
     if needs and name != "none" and plant.normalized:
         raise InputError(
-            f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
-            "without"
+            f"policy {name!r} reads angles in rad, and the environment has normalize=True: use "
+            "normalize=False"
         )
     options = dict(spec.options)
     guarded = options.pop(GUARD, False)
@@ -276,5 +276,5 @@ def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:
         return env
     arm = getattr(env, "unwrapped", env)
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
-        raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
+        raise InputError(f"{shown(arm)} is no ActiveSuit environment: give one of ActiveSuit/...")
     return Plant.of(arm.episodes)

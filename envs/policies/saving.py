@@ -40,7 +40,7 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
     network, plant = network_of(model), Plant.of(arms.episodes)
     task, config = arms.episodes.task, plant.config.to_dict()
     if not isinstance(config["suit"], str):
-        raise InputError("the environment has a suit that is no file: save it, and name its file")
+        raise InputError("the environment's suit has no file: save the suit, and name the file")
     name = f"{OURS}{task.name}-v0"
     if TASKS.get(task.name) is not task:
         raise InputError(
@@ -62,7 +62,7 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
     if belief is not None:
         suit = belief.to_dict()["suit"]
         if not isinstance(suit, str):
-            raise InputError("the believed suit is no file: save it, and name its file")
+            raise InputError("the believed suit has no file: save the suit, and name the file")
         suit = suit if suit == NO_SUIT else portable(suit)
         seen["belief"] = {**belief.to_dict(), "suit": suit}
     environment = {"env": name, **{field: config[field] for field in ARM}, **seen}

@@ -81,7 +81,7 @@ def parsed(given: AnyPolicy, names: Container[str], *, trust: bool) -> PolicySpe
             place = place.setdefault(part, {}) if isinstance(place, dict) else None
         if not isinstance(place, dict):
             raise InputError(
-                f"policy {given!r} has {'.'.join(outer)!r} as a value and with fields: give one"
+                f"policy {given!r} has {'.'.join(outer)!r} with a value and with fields: give one"
             )
         if last in place:
             raise InputError(f"policy {given!r} has the option {name!r} twice: give it once")

@@ -103,8 +103,8 @@ class TrainedPolicy:
             part = next((part for part in here if trained.get(part) != here[part]), "observation")
             raise InputError(
                 f"the policy in {name!r} was trained with the {part} {shown(trained.get(part))}, "
-                f"and the environment has {shown(here[part])}: make it with the sensors that the "
-                "policy was trained with, or train again"
+                f"and the environment has {shown(here[part])}: make the environment with the "
+                "sensors of the training, or train again"
             )
         self._network = network
         self._memory: Array | None = None

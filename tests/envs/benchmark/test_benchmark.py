@@ -178,7 +178,7 @@ def test_results_that_cannot_be_merged(tmp_path):
     rows = [
         (
             lines([made(protocol={"contract": "x"})]),
-            "contract 'x', and those before .*'abc'",
+            "contract 'x', and earlier results have 'abc'",
         ),
         (lines([made(effort=(0.3, 0.3))]), "different results of none in Scoop at nominal"),
         ("{}\n", "line 1, is no result of the benchmark"),
@@ -187,7 +187,7 @@ def test_results_that_cannot_be_merged(tmp_path):
         (lines([made(policy="a" * 201)]), "at most 200 characters"),
         (
             lines([made(protocol={"contract": "abc", "episodes": 10**9})]),
-            "has 2 motions and says 100000",
+            "has 2 motions, and its protocol 100000",
         ),
     ]
     (tmp_path / "a.jsonl").write_text(lines([made()]))

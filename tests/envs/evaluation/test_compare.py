@@ -242,16 +242,20 @@ def test_named_policies_see_units_whatever_others_see(short):
 
 def test_mistakes(short):
     rows = [
-        (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
+        (["none"], {"suit": "none"}, "references need a suit, and suit is 'none': name a suit"),
         (["nune"], {}, "unknown policy 'nune'.*'none'"),
         (["none"], {"motions": 0}, "motions is 0"),
         ([], {}, "no policy given"),
         ("none", {}, r"policies is 'none': give a list"),
-        (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
+        (["suited"], {}, "policy 'suited' is a reference without exoskeleton: leave it out"),
         ({"mine": NoAssist, "push": 0.2}, {}, r"policy 'push' is 0\.2: give a name, or a function"),
         (["best-known-plan"], {"coupling": "none"}, "'best-known-plan' needs motors, and coupling"),
         ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': name each one once"),
-        (["none"], {"learned_torque": True}, "is what evaluate sets itself: leave it out"),
+        (
+            ["none"],
+            {"learned_torque": True},
+            "evaluate sets learned_torque itself: leave ",
+        ),
         (["none"], {"settled": False}, "'settled' was a name of version 0.2: write 'adapted'"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
     ]

@@ -1,4 +1,4 @@
-"""The elbow that muscles move: Gymnasium's checks, tracking, assistance and bad input."""
+"""The elbow that muscles move: Gymnasium's checks, tracking, assistance, pushes and bad input."""
 
 import activesuit.envs.muscles  # noqa: F401, registers the environment
 import gymnasium
@@ -56,6 +56,14 @@ def test_contraction_makes_antagonists_work_and_costs_reward():
     assert found[0][50:, 2].mean() > found[2][50:, 2].mean()
 
 
+def test_a_push_moves_the_elbow_and_the_wearer_comes_back():
+    options = {"suit": "none", "gravity": "microgravity"}
+    still, pushed = (run(steps=250, push=push, **options)[0][:, 0] for push in (0.0, 2.0))
+    away = np.abs(pushed - still)
+    assert away[:100].max() == 0 and 0.1 < away.max() < 0.5
+    assert away[-10:].max() < 0.3 * away.max()
+
+
 def test_stiffness_is_the_slope_of_torque():
     _, env = run(steps=30)
     slope = env.stiffness()
@@ -74,6 +82,7 @@ def test_bad_input():
         ({"gravity": "venus"}, "venus"),
         ({"contraction": -1}, "contraction is -1: use a number from 0 to 15 N·m"),
         ({"contraction": "much"}, "contraction is 'much'"),
+        ({"push": np.nan}, "push is nan"),
     ]
     assert_refused(lambda options: MuscleElbow(**options), rows)
     row = ("ActiveSuit/MuscleElbow-v0", ["none"], "is no arm of ActiveSuit")
