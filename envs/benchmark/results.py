@@ -55,7 +55,7 @@ class _Extra(BaseModel):
 
 if TYPE_CHECKING:
     Extra = dict[str, Any]
-else:  # a file is checked as the model, and what is kept are plain values
+else:  # files are checked by the model, whose values are then plain
     Extra = Annotated[_Extra, AfterValidator(lambda one: one.model_dump(exclude_unset=True))]
 
 

@@ -40,7 +40,7 @@ DURATIONS = {  # [s], shorter than the tasks' own durations
 SUITE_TASKS = {
     name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
 }
-"""The tasks by name as the benchmark runs them."""
+"""The tasks of the benchmark by name, some with shorter durations."""
 BASELINE = "compensation"
 SLOW = {"predictive": 5}  # motions of policies that take much longer than the others
 

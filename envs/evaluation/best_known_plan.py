@@ -181,7 +181,7 @@ class _Planner:
 
 
 def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
-    """Returns the torque nearest to the wanted one [N·m] among those that a motor can give.
+    """Returns the possible torque of a motor nearest to the wanted torque [N·m].
 
     No torque is above the peak, and the heat, a running mean square, is never above the square of
     the continuous torque. The sum of squared differences is least for torques wanted / (1 +

@@ -225,7 +225,7 @@ def evaluate(
             **{**env_options, "adapted": adapted, "unadapted": True, "effort_scale": scale},
         )
         if name in REFERENCES:
-            scale = one.effort_scale  # that of the suited arm, for all
+            scale = one.effort_scale  # of the suited arm, for all policies
         if name == BOUNDS[1]:
             one = _best_known(one, [found[other] for other in named if other in found])
         found[name] = one

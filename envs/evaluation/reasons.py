@@ -174,7 +174,7 @@ def _of_intended(rates: Array, most: int) -> NDArray[np.bool_]:
     for course in (*(rates * moves).T, *(moves - moves.mean(axis=0)).T):
         same = correlate(course, course, method="fft")[n - 1 :][: most + 1]
         same /= n - np.arange(most + 1)
-        later = np.logical_or.accumulate(same < 0)  # before, it is the same move
+        later = np.logical_or.accumulate(same < 0)  # smaller shifts are within one move
         found |= later & (np.abs(same) >= SAME * same[0])
     return found
 

@@ -37,7 +37,7 @@ def relief(
 def relief_interval(
     unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
 ) -> Interval | None:
-    """Returns the mean of `relief` with its 95 % interval, that of a ratio of means; or None."""
+    """Returns the mean of `relief` with the 95 % interval of a ratio of means; or None."""
     if relief(unsuited, suited, effort, least=least) is None:
         return None
     return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))

@@ -33,7 +33,7 @@ from .myoarm import Geometry, MyoArm
 from .sharing import Cost, share
 
 SOFTNESS = 0.01  # [N²·m²], see `Cost`
-LINEAR = 0.05  # coefficient of a² beside that of a times volume, and of a² beside that of a³
+LINEAR = 0.05  # coefficient of a² where the cost is volume or a³
 ALIKE = 1e-6  # relative difference of strengths that counts as none
 
 

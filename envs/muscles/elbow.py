@@ -31,10 +31,10 @@ from .sharing import Cost, share
 
 JOINT, OURS = "elbow_flexion_r", "elbow_flexion"
 DT, SUBSTEPS = 0.01, 5
-PEAK = 25.0  # N·m, of the motor, as that of the arm's elbow
-MOTOR_LAG = 1 / (2 * np.pi * 10)  # [s], of its torque, as there
+PEAK = 25.0  # [N·m], peak torque of the motor, as of the elbow motor of `envs.model`
+MOTOR_LAG = 1 / (2 * np.pi * 10)  # [s], lag of the motor, as in `envs.model`
 STIFFNESS, DAMPING = 25.0, 10.0  # [1/s², 1/s], feedback of the wearer on acceleration; assumed
-LATE = 5  # control periods until it acts: 50 ms, as a reflex through the cortex; assumed
+LATE = 5  # [control periods], delay of feedback: 50 ms, as a reflex through the cortex; assumed
 MOST_CONTRACTION = 15.0  # N·m
 USUAL_CONTRACTION = 3.0  # N·m, as that of the wearer's model
 SOFTNESS = 1e-4  # N²·m²

@@ -87,9 +87,9 @@ class Adaptive(ModelBased):
         """Learns from the last measurement; returns the corrected compensation [N·m], (n, 2)."""
         rate = seen["rate"]
         terms, (momentum, known) = self._terms(seen, 0.0), self._carried(seen)
-        known = known + self._weight(seen["angle"])  # its factor is not known
+        known = known + self._weight(seen["angle"])  # without the unknown factor
         self._past.append((terms, momentum, known, rate[:, self.assisted]))
-        if len(self._past) > self._late:  # the person's torque is that of then
+        if len(self._past) > self._late:  # the person's torque comes late
             terms, momentum, known, then = self._past.pop(0)
             slow = self._momentum_slowly.step(momentum)
             change, self._slow = (slow - self._slow) / self.dt, slow

@@ -1,4 +1,4 @@
-"""The protocol of a policy, and what policies with memory have in common."""
+"""The protocol of a policy, and the base class of policies that compute torques."""
 
 from collections.abc import Mapping
 from typing import ClassVar, Protocol
@@ -49,18 +49,18 @@ class TorquePolicy:
 
     A subclass has `torque`, which gets the parts of the observations by name, as float64 and always
     in rows: one arm is n = 1. The base class cuts observations into these parts, divides the torque
-    by the peaks, clips it to [-1, 1] and gives it the shape of the observation. Where a subclass
-    has a memory, it makes it in `begin`, which is called with the first observations after each
-    reset; so the memory has as many rows as there are arms.
+    by the peaks, and clips the quotient to [-1, 1]. A subclass with a memory makes the memory in
+    `begin`, which is called with the first observations after each reset, so that the memory has as
+    many rows as there are arms.
 
     The parts of each sensor suite, with units, are listed in docs/environments.md: `angle` [rad]
     and `rate` [rad/s] of the four joints, shape (n, 4), and `motor_torque` over the peak, shape
     (n, 2), are in all of them.
 
-    Arguments that subclasses share are described here: `plant` is what the policy may know of the
-    arms, `belief` what the controller believes of person, suit and load, `lead` the time by which
-    the motors answer late [s], 0 to 0.2, `friction` the share of the motors' friction that is
-    cancelled, 0 to 1, and `delay` the age of the torque between person and suit [s], 0 to 0.5.
+    Common arguments of subclasses: `plant` is the knowledge of a policy about the arms, `belief`
+    its assumptions about person, suit and load, `lead` the lag of the motors [s], 0 to 0.2,
+    `friction` the share of the motors' friction that is cancelled, 0 to 1, and `delay` the delay of
+    the measured torque between person and suit [s], 0 to 0.5.
 
     Attributes:
         sensors: Names of the sensor suites that the class needs.

@@ -15,7 +15,7 @@ from ..interface.observation import SUITES, checked_sensors
 from .network import LSTM, LSTM_ARRAYS, Card, Network
 
 OPSET, IR_VERSION = 17, 8  # versions of 2022, which older runtimes read, too
-OBSERVATIONS = 1000  # number of those in the check
+OBSERVATIONS = 1000  # number of random observations in the check
 OPERATORS = {"tanh": "Tanh", "relu": "Relu"}
 
 

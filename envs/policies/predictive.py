@@ -85,7 +85,7 @@ class PredictiveSampling(Compensation):
         self._physics = {name: batch.bind(name) for name in names}
         bias = batch.expand("actuator_biasprm")
         bias[:, self._at.human, 1], bias[:, self._at.human, 2] = -STIFF[0], -STIFF[1]
-        self._rng = np.random.default_rng(self._seed)  # a row is what it would be alone
+        self._rng = np.random.default_rng(self._seed)  # a row is equal to a single arm
         self._knots = np.zeros((rows, KNOTS, len(self.peak)))
         self._planned = 0
         self._turned = seen["rate"]

@@ -66,7 +66,7 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
         suit = suit if suit == NO_SUIT else portable(suit)
         seen["belief"] = {**belief.to_dict(), "suit": suit}
     environment = {"env": name, **{field: config[field] for field in ARM}, **seen}
-    if plant.config.payload.inertia is None:  # as `activesuit train` has it
+    if plant.config.payload.inertia is None:  # as in cards of `activesuit train`
         environment["payload"] = {"mass": plant.config.payload.mass}
     card = card_of(
         plant,

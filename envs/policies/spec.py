@@ -34,7 +34,7 @@ class PolicySpec:
         return f"{self.name}:{flat}" if flat else self.name
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns plain values: the name and the options beside it."""
+        """Returns plain values: the name, and each option by name."""
         return {"name": self.name, **self.options}
 
 
