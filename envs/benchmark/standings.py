@@ -51,7 +51,7 @@ class Standing:
     """The results of one policy over several tasks.
 
     Relief, and all that follows from relief, is None where no suit costs enough for relief to have
-    a meaning. Values of the baseline relative to itself are None too.
+    a meaning; so are values of the baseline relative to itself. Reliefs are alike within `MARGIN`.
     """
 
     policy: str
@@ -62,7 +62,7 @@ class Standing:
     mean: float | None  # mean relief, in which harm counts in full
     worst: tuple[float, Setting] | None  # least mean relief in a setting, and the setting
     gain: Interval | None  # interquartile mean of relief less the baseline's in the same motions
-    compared: tuple[float, float, float] | None  # shares of motions with gain > `MARGIN`, ~, less
+    compared: tuple[float, float, float] | None  # shares with more, like, less relief
     failed: int  # number of trials in which the policy could not act
 
 
