@@ -148,6 +148,16 @@ def shorten_tasks(
         patch.setitem(tasks, name, replace(task, duration=duration))
 
 
+def made_result(**changes: Any) -> Any:
+    """Returns a result of the benchmark with two motions, or with changed fields."""
+    from activesuit.envs.benchmark import Result
+
+    usual = {"task": "Scoop", "level": "nominal", "believed": "mock-suit", "policy": "none"}
+    usual |= {"options": {"name": "none"}, "effort": (0.1, 0.2), "tracking": (0.01, 0.02)}
+    usual |= {"success": (True, False), "failed": None, "protocol": {"contract": "abc"}, **changes}
+    return Result(**{"assisted_effort": usual["effort"], **usual})
+
+
 @contextmanager
 def short_benchmark(duration: float) -> Iterator[None]:
     """Makes the motions of the benchmark as long as that [s]."""

@@ -53,7 +53,7 @@ FAINT = "#b9bdc4"
 
 
 class Said(NamedTuple):
-    """What results say about one score of an extra: text in Markdown, tables by title, remarks."""
+    """Presentation of one score of an extra: text in Markdown, tables by title, remarks."""
 
     text: str
     tables: dict[str, Rows]
@@ -65,7 +65,7 @@ class Leaderboard(Standings):
 
     @cached_property
     def scores(self) -> dict[str, Said]:
-        """What the results say about each score of an extra that they have."""
+        """Presentation of each score of an extra in the results, by name."""
         names = dict.fromkeys(name for one in self.results for name in one.extra)
         return {name: _said(self, name) for name in names}
 
@@ -83,7 +83,7 @@ class Leaderboard(Standings):
         return tables
 
     def sentences(self) -> list[str]:
-        """Returns the best policies, what limits the results, and why motions and trials failed."""
+        """Returns sentences about best policies, limits, and failed motions and trials."""
         return [
             *_best_policies(self),
             *(sentence for one in self.scores.values() for sentence in one.remarks),
@@ -106,7 +106,7 @@ class Leaderboard(Standings):
         Each table has a row per setting, with the 95 % interval.
         """
         if len(policies) < 2:
-            raise InputError("compare needs two policies: add --policies compensation adaptive")
+            raise InputError("compare needs two policies: add --policies with both names")
         first, *others = policies
         header = ["task", "level", "believed", "difference\n(95 % interval)"]
         return {
@@ -171,9 +171,9 @@ def _level_rows(standings: Standings, level: str) -> Rows:
 
 
 def _sensors(policy: str) -> str:
-    """Returns the sensor suites that a policy needs, by its label; a dash if they are not known.
+    """Returns the sensor suites that a policy needs, by its label; a dash if unknown.
 
-    Those of a class of a user's own are known where it has run; results of others import nothing.
+    The suites of a user's class are known if its module is imported; this function imports nothing.
     """
     name, _, attribute = policy.partition(":")
     name = name.removesuffix("-tuned")
@@ -186,7 +186,7 @@ def _sensors(policy: str) -> str:
 
 
 def _contract_remarks(standings: Standings) -> Iterator[str]:
-    """Yields a sentence where results cannot be compared with the leaderboard: why not."""
+    """Yields a sentence with the reasons why results cannot be compared with the leaderboard."""
     protocol = standings.protocol
     contract = str(protocol.get("contract"))
     if contract in {known.contract for known in SUITES.values()}:
@@ -217,7 +217,7 @@ def _task_rows(standings: Standings, level: str) -> Rows:
 
 
 def _best_policies(standings: Standings) -> Iterator[str]:
-    """Yields a sentence per level: the policy with the most relief, beside the bound."""
+    """Yields a sentence per level: the policy with the most relief, and the bound."""
     for level in standings.levels:
         found = [one for one in standings.by_level(level) if one.relief is not None]
         best = next((one for one in found if one.policy not in FIXED), None)
@@ -231,14 +231,14 @@ def _best_policies(standings: Standings) -> Iterator[str]:
 
 
 def _safe(rows: Rows) -> str:
-    """Returns a table as Markdown in which names from files have no markup of their own."""
+    """Returns a table as Markdown, without markup from names of files."""
     header, body = rows
     safe = [[*map(without_markup, row)] for row in body]
     return markdown_table([*map(without_markup, header)], safe)
 
 
 def _best(standings: Standings) -> str:
-    """Returns a sentence where the policy of the best relief has not the most success."""
+    """Returns a sentence if the policy with the best relief has not the most success."""
     level = standings.levels[0]
     found = [
         (one.relief.value, one.success, f"`{one.policy.replace('`', '')}`")
@@ -258,7 +258,7 @@ def _best(standings: Standings) -> str:
 
 
 def _profile_plot(standings: Standings) -> Plot:
-    """Returns performance profiles; in color are the policies with the most relief over all."""
+    """Returns performance profiles, with the policies of most mean relief in color."""
     names = [name for name in standings.policies if name not in FIXED]
     means = dict.fromkeys((name for name in names if not name.endswith("-tuned")), -np.inf)
     for name in means:
@@ -279,7 +279,7 @@ def _profile_plot(standings: Standings) -> Plot:
 def _cell(
     standings: Standings, setting: Setting, policy: str, measure: Measure | None = None
 ) -> str:
-    """Returns the success of a policy in a setting, or its mean cost; below the mean relief."""
+    """Returns success of a policy in a setting, or its mean cost, and below it the mean relief."""
     found = standings.of(setting, policy)
     if found is not None and found.failed:
         return "failed"
@@ -292,9 +292,9 @@ def _cell(
 
 
 def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
-    """Yields a sentence for each level and policy some of whose motions failed.
+    """Yields a sentence for each level and policy with failed motions.
 
-    Each limit is shown as in the task in which most motions exceeded it.
+    The numbers of each limit are of the task in which most motions exceeded the limit.
     """
     for level, policy in dict.fromkeys((one.level, one.policy) for one in results):
         mine = [one for one in results if (one.level, one.policy) == (level, policy)]
@@ -316,7 +316,7 @@ def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
 
 
 def _said(standings: Standings, name: str) -> Said:
-    """Returns what results say about one score of an extra."""
+    """Returns the presentation of one score of an extra."""
     if name not in SCORES:
         return Said("", {}, [f"note: no extra with the score {shown(name)} is here"])
     facts = {
@@ -356,7 +356,7 @@ def _facts(result: Result, name: str) -> Mapping[str, Any]:
 
 
 def _gaps(name: str, results: Sequence[Result]) -> Iterator[str]:
-    """Yields sentences: which trials have no score, and why."""
+    """Yields sentences about trials without the score, and the reasons."""
     without = sum(name not in one.extra and not one.failed for one in results)
     if without:
         yield f"note: {without} of {len(results)} trials were run without --score {name}"

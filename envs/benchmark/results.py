@@ -1,4 +1,4 @@
-"""Results of the benchmark: a trial makes one, and lines of JSON hold them for anyone to merge."""
+"""Results of the benchmark: each trial makes one, and files of JSON lines can be merged."""
 
 import json
 import math
@@ -43,7 +43,7 @@ SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
 class _Extra(BaseModel):
-    """What the score of an extra keeps; see `Result`."""
+    """The data of a score of an extra; see `Result`."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -55,7 +55,7 @@ class _Extra(BaseModel):
 
 if TYPE_CHECKING:
     Extra = dict[str, Any]
-else:  # a file is checked as the model, and what is kept are plain values
+else:  # files are checked by the model, whose values are then plain
     Extra = Annotated[_Extra, AfterValidator(lambda one: one.model_dump(exclude_unset=True))]
 
 
@@ -63,38 +63,26 @@ else:  # a file is checked as the model, and what is kept are plain values
 class Result:
     """Result of one trial; a tuple has one value per motion.
 
-    Attributes:
-        task: Name of the task.
-        level: Name of the level.
-        believed: Suit that controllers believe in.
-        policy: Name of the policy in tables.
-        options: Policy and options as plain values.
-        effort: Effort of the adapted wearer over strength; infinite where the policy failed.
-        assisted_effort: The same of the two joints that can have a motor, likewise.
-        tracking: Tracking error [rad], likewise.
-        success: Whether the motion went well.
-        why: Limits of success that motions exceeded, the most frequent one first.
-        failed: Why the policy could not act; None if it could.
-        protocol: How the result came about.
-        extra: What each score of an extra keeps, by its name: costs, facts and packages as plain
-            values, with None for a cost that a motion does not have; or the reason why there are
-            none.
+    Effort and tracking error are infinite for a failed policy. `extra` has the data of scores of
+    extras by name: costs, facts and packages as plain values, with None for a missing cost of a
+    motion; or the reason for the missing score.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
     task: str
     level: str
-    believed: Name
-    policy: Name
-    options: dict[str, Any]
+    believed: Name  # suit that controllers believe in
+    policy: Name  # name of the policy in tables
+    options: dict[str, Any]  # policy and options as plain values
+    # Effort of the adapted wearer over strength, of four joints and of those that can have a motor.
     effort: Annotated[tuple[Kept, ...], Field(min_length=1)]
     assisted_effort: tuple[Kept, ...]
-    tracking: tuple[Kept, ...]
-    success: tuple[bool, ...]
-    failed: str | None
-    protocol: dict[str, Any]
-    why: tuple[Frequent, ...] = ()
+    tracking: tuple[Kept, ...]  # tracking error [rad]
+    success: tuple[bool, ...]  # whether the motion exceeded no limit of success
+    failed: str | None  # reason why the policy could not act
+    protocol: dict[str, Any]  # version, contract, seeds, motions and packages of the run
+    why: tuple[Frequent, ...] = ()  # exceeded limits of success, the most frequent first
     extra: dict[Name, Extra] = field(default_factory=dict)
 
     def to_json(self) -> str:
@@ -108,7 +96,7 @@ class Result:
 
     @classmethod
     def from_json(cls, text: str, name: str) -> "Result":
-        """Returns the result that `to_json` wrote; messages about bad text begin with `name`."""
+        """Returns the result in a line of JSON; error messages begin with `name`."""
         try:
             found = _RESULT.validate_python(parse_json(text, name, fix="delete it"))
         except ValidationError as error:
@@ -125,13 +113,15 @@ class Result:
             raise InputError(f"{name} has series of different lengths: delete it")
         said, motions = found.protocol.get("episodes"), len(found.effort)
         if said not in (None, motions):
-            raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
+            raise InputError(
+                f"{name} has {motions} motions, and its protocol {shown(said)}: delete the line"
+            )
         for score, kept in found.extra.items():
             for cost, series in kept.get("costs", {}).items():
                 if STANDARD not in series or any(len(one) != motions for one in series.values()):
                     raise InputError(
                         f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
-                        "every other convention: delete it"
+                        "each other convention: delete the line"
                     )
         return found
 
@@ -145,10 +135,10 @@ def lines(results: Iterable[Result]) -> str:
 
 
 def read_results(paths: Sequence[Path]) -> list[Result]:
-    """Reads and merges results of several runs: files of results, or folders that have one.
+    """Reads and merges results of several runs: files of results, or folders with such a file.
 
-    A trial that was run several times, with other scores of extras, counts once, with all of them.
-    Results of different contracts cannot be compared, and are refused.
+    Runs of one trial with different scores of extras become one result with all scores. Results of
+    different contracts cannot be compared, and are refused.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""
@@ -160,8 +150,8 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
             contract = contract or mine
             if mine != contract:
                 raise InputError(
-                    f"{str(path)!r} has results of the contract {mine!r}, and those before are of "
-                    f"{contract!r}: run them anew"
+                    f"{str(path)!r} has results of the contract {mine!r}, and earlier results have "
+                    f"{contract!r}: run the trials again"
                 )
             key = (result.task, result.level, result.believed, result.policy)
             known, first = found.get(key, (result, str(path)))
@@ -191,7 +181,7 @@ def read_text(path: Path, what: str = "results") -> str:
 def run_trial(suite: Suite, trial: Trial) -> Result:
     """Runs one policy on all motions of a setting, with adapted wearers, on one thread.
 
-    Where the policy cannot act, every motion is failed, and the result says why.
+    If the policy cannot act, every motion is failed, and the result has the reason.
     """
     episodes, name = suite.motions_of(trial.policy), trial.policy.name
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
@@ -217,7 +207,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
 
 
 def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
-    """Returns what a score keeps of the motions, or why they cannot be scored."""
+    """Returns the data of a score of motions, or the reason why the motions have no score."""
     score = SCORES.find(name)
     try:
         found = score.scored(traces, threads=1, on_motion=lambda: None)
@@ -228,7 +218,7 @@ def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Returns a value of a score as JSON has it: rounded, and None where it is not finite."""
+    """Returns a value of a score as plain JSON values: rounded, and None if not finite."""
     if isinstance(value, dict):
         return {name: _plain(one) for name, one in value.items()}
     if isinstance(value, tuple):
@@ -237,5 +227,5 @@ def _plain(value: Any) -> Any:
 
 
 def _rounded(value: float) -> float:
-    """Returns a value as it is kept; an infinite one in place of NaN."""
+    """Returns a rounded value, and infinity for NaN."""
     return math.inf if math.isnan(value) else float(f"{round(value, SMALLEST):.{DIGITS}g}")

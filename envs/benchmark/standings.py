@@ -1,8 +1,8 @@
-"""What results say: success, relief, and which policy is better, by level and by task.
+"""Comparison of results: success, relief, and which policy is better, by level and by task.
 
 Motion i has the same wearer, sensors and, in tasks of one kind, the same movement in every setting.
-So intervals draw motions anew for all settings together. What other *tasks* would tell is another
-question, with intervals that draw tasks anew.
+So intervals over *motions* resample motions for all settings together. Intervals over *tasks*
+resample tasks.
 """
 
 import math
@@ -48,49 +48,33 @@ ASSISTED = Measure(lambda result: result.assisted_effort)
 
 @dataclass(frozen=True)
 class Standing:
-    """How one policy stands over several tasks.
+    """The results of one policy over several tasks.
 
-    Attributes:
-        policy: Name of the policy.
-        success: Share of motions that went well.
-        relief: Interquartile mean of relief over motions and settings, and what other motions would
-            tell; None where no suit costs enough for relief to have a meaning.
-        assisted: The same of the effort of the two joints that can have a motor.
-        over_tasks: The same mean, and what other tasks would tell; None with fewer than 5 tasks, or
-            where relief has a meaning in only a part of a task's settings.
-        mean: Mean relief, in which harm counts in full; None as `relief`.
-        worst: Least mean relief in a setting, and the setting; None as `relief`.
-        gain: Interquartile mean of relief less that of the baseline in the same motions; None for
-            the baseline itself.
-        compared: Shares of these motions with more relief than the baseline by more than `MARGIN`,
-            about as much, and less; None as `gain`.
-        failed: Number of trials in which the policy could not act.
+    Relief, and all that follows from relief, is None where no suit costs enough for relief to have
+    a meaning; so are values of the baseline relative to itself. Reliefs are alike within `MARGIN`.
     """
 
     policy: str
-    success: float
-    relief: Interval | None
-    assisted: Interval | None
-    over_tasks: Interval | None
-    mean: float | None
-    worst: tuple[float, Setting] | None
-    gain: Interval | None
-    compared: tuple[float, float, float] | None
-    failed: int
+    success: float  # share of motions
+    relief: Interval | None  # interquartile mean over motions and settings, interval over motions
+    assisted: Interval | None  # the same for the effort of the joints that can have a motor
+    over_tasks: Interval | None  # as `relief`, with the interval over tasks, if 5 or more have one
+    mean: float | None  # mean relief, in which harm counts in full
+    worst: tuple[float, Setting] | None  # least mean relief in a setting, and the setting
+    gain: Interval | None  # interquartile mean of relief less the baseline's in the same motions
+    compared: tuple[float, float, float] | None  # shares with more, like, less relief
+    failed: int  # number of trials in which the policy could not act
 
 
 class Standings:
-    """Results, arranged by setting and policy.
-
-    Args:
-        results: Results of one contract, such as `read_results` returns.
+    """Results of one contract, such as `read_results` returns, by setting and policy.
 
     Attributes:
         results: The results.
-        policies: Names of the policies, references and bound, in their order.
+        policies: Names of policies, references and bound, in the order of the results.
         levels: Names of the levels.
         settings: All settings.
-        protocol: How the first result came about.
+        protocol: Protocol of the first result.
     """
 
     def __init__(self, results: Sequence[Result]) -> None:
@@ -106,7 +90,10 @@ class Standings:
         self.levels = [level for level in LEVELS if any(one.level == level for one in results)]
 
     def of(self, setting: Setting, policy: str) -> Result | None:
-        """Returns the result of a policy, also of one that believes nothing; None if none."""
+        """Returns the result of a policy in a setting; None if there is none.
+
+        A policy without belief has one result for all believed suits at "shift".
+        """
         for place in (setting, where(setting)):
             if policy in self._found.get(place, {}):
                 return self._found[place][policy]
@@ -115,13 +102,9 @@ class Standings:
     def relief(
         self, setting: Setting, policy: str, motions: int | None = None, *, of: Measure = EFFORT
     ) -> Array | None:
-        """Returns relief by motion, shape (motions,); None where it has no meaning.
+        """Returns the relief of a cost by motion, shape (motions,); None where it has no meaning.
 
-        Args:
-            setting: Setting of the policy.
-            policy: Name of the policy.
-            motions: Number of the first motions that count; by default all that the policy ran.
-            of: Cost that the relief is of.
+        Only the first `motions` count; by default all motions of the policy.
         """
         found = [self.of(setting, name) for name in (*REFERENCES, policy)]
         unsuited, suited, mine = (one and of.series(one) for one in found)
@@ -132,7 +115,7 @@ class Standings:
         return relief(*costs, least=of.least)
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
-        """Returns how a policy stands over some settings."""
+        """Returns the standing of a policy over some settings."""
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
         reliefs, assisted = (self.reliefs(settings, policy, of) for of in (EFFORT, ASSISTED))
@@ -199,9 +182,9 @@ class Standings:
         return difference_interval(*pair)
 
     def profile(self, policy: str, level: str, thresholds: Array) -> Array:
-        """Returns the share of motions with at least each relief, shape (k,), the mean over tasks.
+        """Returns the share of motions with at least each relief (mean over tasks), shape (k,).
 
-        It is a performance profile as in Agarwal et al. (2021).
+        This is the performance profile of Agarwal et al. (2021).
         """
         reliefs = self.reliefs(self.settings_at(level), policy, EFFORT).values()
         shares = [np.mean(one[:, None] >= thresholds, axis=0) for one in reliefs]
@@ -210,7 +193,7 @@ class Standings:
     def _improve_bound(self, setting: Setting) -> None:
         """Replaces the plan by a policy that succeeds with less effort, motion by motion.
 
-        At "shift" those count that believe in another suit, too: the simulated one is the same.
+        At "shift" policies with any believed suit count, since the simulated suit is the same.
         Scores of extras stay those of the plan, which is a bound for effort only.
         """
         bound = self._found[setting].get(BOUND)
@@ -228,7 +211,7 @@ class Standings:
         self._found[setting][BOUND] = replace(bound, **series)
 
     def _paired(self, setting: Setting, one: str, other: str) -> tuple[Array, Array] | None:
-        """Returns relief of two policies in the motions that both ran, at one cost of the suit."""
+        """Returns relief of two policies in the motions of both, with the same cost of the suit."""
         results = [self.of(setting, name) for name in (one, other)]
         motions = min((len(each.effort) for each in results if each is not None), default=0)
         mine, theirs = (self.relief(setting, name, motions) for name in (one, other))
@@ -236,23 +219,20 @@ class Standings:
 
 
 def over_motions(values: Iterable[Array]) -> Interval | None:
-    """Returns the interquartile mean of the values of settings, and what other motions would tell.
-
-    None without any setting.
-    """
+    """Returns the interquartile mean of values of settings, with the interval over motions."""
     values = [*values]
     return _clustered(aligned(values)) if values else None
 
 
 def aligned(values: Iterable[Array]) -> Array:
-    """Returns the first values of each setting, as many as all have, shape (motions, settings)."""
+    """Returns values of the motions that all settings have, shape (motions, settings)."""
     values = [*values]
     motions = min(one.size for one in values)
     return np.array([one[:motions] for one in values]).T
 
 
 def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:
-    """Returns the interquartile mean of relief, and what other tasks would tell."""
+    """Returns the interquartile mean of relief, with the interval over tasks."""
     tasks: dict[str, list[Array]] = {}
     for setting, values in reliefs.items():
         tasks.setdefault(setting.task, []).append(values)
@@ -265,7 +245,7 @@ def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:
 def _clustered(values: Array) -> Interval:
     """Returns the interquartile mean of values, shape (clusters, size), with its interval.
 
-    The interval has no limits where a policy failed or there are too few clusters.
+    The interval is infinite if a value is not finite or there are too few clusters.
     """
     if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
         return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)
@@ -275,7 +255,7 @@ def _clustered(values: Array) -> Interval:
 def cost_over(
     standings: Standings, policy: str, settings: Iterable[Setting], measures: Mapping[str, Measure]
 ) -> Cost | None:
-    """Returns what settings cost under a policy; None where no trial has the cost.
+    """Returns the cost of settings under a policy; None if no trial has the cost.
 
     The measures are the cost under each convention.
     """
@@ -299,7 +279,7 @@ def cost_over(
 def measures_of(
     results: Sequence[Result], score: str, cost: str, least: float
 ) -> dict[str, Measure]:
-    """Returns a cost of a score as measures, by each convention that results have."""
+    """Returns a cost of a score as measures, by the conventions in the results."""
 
     def kept(result: Result) -> Mapping[str, Sequence[float | None]]:
         return result.extra.get(score, {}).get("costs", {}).get(cost, {})

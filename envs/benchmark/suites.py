@@ -1,4 +1,4 @@
-"""What the benchmark runs: tasks, levels, suits and policies, and the protocol of it all."""
+"""The suites of the benchmark: tasks, levels, suits and policies, and the protocol of a run."""
 
 import hashlib
 import json
@@ -30,9 +30,9 @@ from ..policies.trained import shipped_policies
 from ..simulation.measurements import Sensing
 from ..tasks import TASKS
 
-VERSION = 3  # wearers of 2 could not aim, and did not pay for usual co-contraction
+VERSION = 3  # wearers of version 2 could not aim, and had no cost of usual co-contraction
 BELIEVED = ("mock-suit", "emu-like")
-DURATIONS = {  # [s], of a few repetitions, or of one joint: 20 motions of each tell more than many
+DURATIONS = {  # [s], shorter than the tasks' own durations
     **dict.fromkeys(("MinorLoops", "Handrail", "Ratchet", "Hammer", "Scoop"), 10.0),
     **{"ReachPanel": 12.0, "ObjectRelocation": 13.5, "OverheadHold": 20.0},
     **{"TransitionCurves": 21.0, "RangeOfMotion": 26.0},
@@ -40,23 +40,17 @@ DURATIONS = {  # [s], of a few repetitions, or of one joint: 20 motions of each 
 SUITE_TASKS = {
     name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
 }
-"""The tasks by name as the benchmark runs them."""
+"""The tasks of the benchmark by name, some with shorter durations."""
 BASELINE = "compensation"
 SLOW = {"predictive": 5}  # motions of policies that take much longer than the others
 
 
 class Setting(NamedTuple):
-    """A task at a level with a belief, in which policies are compared.
-
-    Attributes:
-        task: Name of the task.
-        level: Name of the level.
-        believed: Name of the suit that controllers believe in: the true one, but at "shift".
-    """
+    """A task at a level with a believed suit, in which policies are compared, by names."""
 
     task: str
     level: str
-    believed: str
+    believed: str  # the suit that controllers believe in: the true suit, except at "shift"
 
     @property
     def options(self) -> dict[str, Any]:
@@ -66,26 +60,20 @@ class Setting(NamedTuple):
 
     @property
     def true_suit(self) -> str:
-        """Name of the wearer's suit; at "shift" it is that of the level."""
+        """Name of the wearer's suit, which is the believed suit or, at "shift", the level's."""
         return str(LEVELS[self.level].get("suit", self.believed))
 
 
 class Trial(NamedTuple):
-    """One policy in one setting.
-
-    Attributes:
-        setting: The setting.
-        policy: A policy, with its belief; the name of a reference or bound has no options.
-        label: Name of the policy in tables.
-    """
+    """One policy in one setting."""
 
     setting: Setting
-    policy: PolicySpec
-    label: str
+    policy: PolicySpec  # a policy with its belief, or a reference or bound without options
+    label: str  # name of the policy in tables
 
     @property
     def file_name(self) -> str:
-        """Name of the file of its result, which no other trial of a suite has."""
+        """Name of the file of the result, unique in a suite."""
         task, level, believed = self.setting
         text = json.dumps(self.policy.to_dict(), sort_keys=True, default=str)
         mark = hashlib.sha256(f"{self.label}\n{believed}\n{text}".encode()).hexdigest()[:8]
@@ -96,42 +84,31 @@ class Trial(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Suite:
-    """What a benchmark runs.
+    """The policies, tasks, levels and suits of a benchmark.
 
-    At "nominal" and "randomized" controllers believe in the wearer's suit, at its usual
-    pressure. At "shift" they believe in the same suits, and the wearer's is an EMU-like
-    one at 40 kPa: so once another family, and once the right one at another pressure.
+    At "nominal" and "randomized" controllers believe in the wearer's suit, at its usual pressure.
+    At "shift" controllers believe in the same suits, but the wearer's suit is the EMU-like one at
+    40 kPa: the believed suit is of another family, or has another pressure.
 
-    Attributes:
-        name: Name of the suite.
-        policies: Policies as text, as `policy_spec` takes it, or by labels of your choice.
-        tasks: Names of tasks.
-        levels: Names of levels.
-        believed: Names or files of suits that controllers believe in.
-        motions: Number of motions of each policy, at least 8.
-        coupling: Connection of the exoskeleton to the arm.
-        options: Other options of the environment, in all settings; results with some are compared
-            with each other only.
-        scores: Names of scores of extras. They change no other number, and are no part of the
-            contract.
+    Other options of the environment change the contract; scores of extras do not.
     """
 
     name: str
-    policies: dict[str, PolicySpec]
+    policies: dict[str, PolicySpec]  # by their labels in tables
     tasks: tuple[str, ...] = tuple(TASKS)
     levels: tuple[str, ...] = COMPARED
-    believed: tuple[str, ...] = BELIEVED
-    motions: int = 20
-    coupling: Literal["rigid", "cuffs"] = "rigid"
-    options: Mapping[str, Any] = field(default_factory=dict)
-    scores: tuple[str, ...] = ()
+    believed: tuple[str, ...] = BELIEVED  # names or files of suits that controllers believe in
+    motions: int = 20  # number of motions of each policy, at least 8
+    coupling: Literal["rigid", "cuffs"] = "rigid"  # of the exoskeleton to the arm
+    options: Mapping[str, Any] = field(default_factory=dict)  # of the environment, in all settings
+    scores: tuple[str, ...] = ()  # names of scores of extras
 
     def __post_init__(self) -> None:
         for name in ("suit", "level", "coupling", "reward"):
             if name in self.options:
                 raise InputError(
-                    f"{name} is given as an option of the environment, and the suite decides it: "
-                    "leave it out; name believed suits, levels or another suite"
+                    f"the suite sets the option {name} of the environment: leave {name} out, and "
+                    "name believed suits, levels or another suite"
                 )
         for what, names, known in (("task", self.tasks, TASKS), ("level", self.levels, LEVELS)):
             for name in names:
@@ -151,7 +128,7 @@ class Suite:
         return {**setting.options, "coupling": self.coupling, **self.options}
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns what a benchmark runs as plain values, by which it is known again."""
+        """Returns the suite as plain values, by which a folder of results knows its suite."""
         fields = ("tasks", "levels", "believed", "motions")
         found: dict[str, Any] = {"suite": self.name, "contract": self.contract}
         found |= {name: getattr(self, name) for name in fields}
@@ -160,14 +137,14 @@ class Suite:
         return found | {name: one for name, one in others.items() if one}
 
     def check(self) -> None:
-        """Makes every policy once; InputError where a policy or a suit cannot be had."""
+        """Makes every policy once, so that mistakes in policies and suits raise InputError."""
         for trial in replace(self, tasks=self.tasks[:1]).trials:
             if trial.label not in (*REFERENCES, *BOUNDS):
                 env = f"ActiveSuit/{trial.setting.task}-v0"
                 check_policy(env, trial.policy, **self.environment(trial.setting))
 
     def check_scores(self) -> None:
-        """Asks every score of an extra once; InputError where no task can have the score."""
+        """Checks every score of an extra; raises InputError if no task can have the score."""
         places = {one.task: self.environment(one) for one in self.settings}
         for score in self.scores:
             refused = []
@@ -193,8 +170,7 @@ class Suite:
     def trials(self) -> list[Trial]:
         """All trials, references and bound first, without repetition.
 
-        What believes nothing does the same at "shift", whatever suit the others believe in, and
-        runs once.
+        Policies without belief are the same for all believed suits at "shift", and run once.
         """
         fixed = {name: PolicySpec(name) for name in (*REFERENCES, *BOUNDS[1:])}
         found: dict[str, Trial] = {}
@@ -213,7 +189,7 @@ class Suite:
 
     @cached_property
     def contract(self) -> str:
-        """A hash of all that makes results comparable: tasks, levels, suits, wearer and sensors."""
+        """Hash of the conditions of comparable results: tasks, levels, suits, wearer, sensors."""
         content = {
             "version": VERSION,
             "tasks": {
@@ -238,7 +214,7 @@ class Suite:
         return {"options": dict(self.options)} if self.options else {}
 
     def protocol(self, policy: PolicySpec) -> dict[str, Any]:
-        """Returns how a result came about: version, contract, seeds, motions and packages."""
+        """Returns the protocol of a result: version, contract, seeds, motions and packages."""
         return {
             "suite_version": VERSION,
             "contract": self.contract,
@@ -253,11 +229,11 @@ class Suite:
 
 
 def where(setting: Setting) -> Setting:
-    """Returns the setting under which results are kept that do not depend on a belief."""
+    """Returns the setting of results that do not depend on a believed suit."""
     return setting._replace(believed=setting.true_suit) if setting.level == "shift" else setting
 
 
-# `corrected` needs cuffs; parts of `compensation` are in tables of their own.
+# `corrected` needs cuffs; parts of `compensation` have their own tables.
 _OTHERS = ("oracle", "corrected", "transparent", "gravity", "complement")
 _ALL = (*(name for name in POLICIES if name not in _OTHERS), *shipped_policies())
 
@@ -274,7 +250,7 @@ def suite(
     scores: tuple[str, ...] = (),
     trust: bool = False,
 ) -> Suite:
-    """Returns a suite, with what is given instead of its own."""
+    """Returns a shipped suite, with the given arguments in place of the suite's own values."""
     if name not in SUITES:
         raise unknown_name("suite", name, SUITES)
     specs = [policy_spec(given, trust=trust) for given in policies]

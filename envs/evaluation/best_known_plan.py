@@ -1,12 +1,12 @@
-"""The best known plan, of one who knows the suit, the wearer and the whole motion.
+"""The best known plan of motor torques, made with knowledge of suit, wearer and whole motion.
 
-What a guided wearer and the motors give together is what the motion takes, and becomes the motors'
-plan: within their peaks, rationed where their heat would bind, their lag inverted. Then, pass by
-pass, adapted wearers move under the plan, and what they still give is added to it, until that
-falls by less than 1 %. The pass of the least effort counts, motion by motion. Where the plan is
-better earlier or later, as before a blow that throws the arm back, what the wearers give does not
-say where to go: there, plans that are shifted in time, smoothed, scaled and bent are tried too. It
-is a bound in practice; no theorem.
+A motion takes the torque that a guided wearer and the motors give together. This torque becomes the
+motors' plan: within the peaks, rationed where heat is the limit, and with the lag inverted. Then,
+pass by pass, adapted wearers move under the plan, and the torque that the wearers still give is
+added to the plan, until this torque falls by less than 1 %. For each motion the pass with the least
+effort counts. Where an earlier or later plan is better, as before a blow that throws the arm back,
+the wearers' torque does not show how to improve the plan: there, plans that are shifted in time,
+smoothed, scaled and bent are tried too. The plan is a bound in practice, without a proof.
 """
 
 import math
@@ -25,15 +25,15 @@ from .wearers import ArmLost, Wearers, smoothed
 
 GUIDED = 3  # passes under guided wearers
 PASSES = 8  # greatest number of passes under adapted wearers
-GAIN = 0.01  # share of the wearers' torque that another pass must take over
-SOONER = (-2, 2)  # control periods, shifts of a plan that show whether a search pays
+GAIN = 0.01  # least decrease of the wearers' torque for another pass
+SOONER = (-2, 2)  # [control periods], shifts of a plan that show whether a search pays
 SHIFTS, SMOOTHINGS, SCALES = (-4, -2, -1, 1, 2), (4,), (0.9, 1.1)
-BENDS = (0.05, 0.02, 0.01, 0.005)  # root mean squares of bumps, over the plan's
+BENDS = (0.05, 0.02, 0.01, 0.005)  # root mean square of bumps over that of the plan
 BEND_WIDTHS = (10, 80)  # control periods
-ROUNDS, LITTLE = 3, 0.002  # of the search: the most, and the share of effort below which it ends
-COOLNESS = 0.999  # share of the heat limit that a plan may use: the protection does not act
+ROUNDS, LITTLE = 3, 0.002  # greatest number of rounds of the search, least decrease of effort
+COOLNESS = 0.999  # share of the heat limit that a plan may use, so that the protection never acts
 BOUNDS = ("clairvoyant-suit", "best-known-plan")
-"""One that cancels the suit's torque alone, and one that takes over all it can."""
+"""A plan that cancels the suit's torque alone, and a plan that gives all possible help."""
 
 
 def clairvoyant(
@@ -43,14 +43,10 @@ def clairvoyant(
     suit_only: bool = False,
     on_pass: Callable[[Array], None] = lambda _: None,
 ) -> Planned:
-    """Returns the plan of one who knows the true model and each motion as a whole.
+    """Returns the plan for wearers and seeds of motions, by the true model and the whole motions.
 
-    Args:
-        wearers: Wearers under whom the motions are planned.
-        seeds: Seeds of the motions.
-        suit_only: Whether to cancel the suit's torque alone.
-        on_pass: Function that is called after each pass, and after each round of the search, with
-            the least effort of each motion so far, shape (motions,).
+    With `suit_only` the plan cancels the suit's torque alone. `on_pass` is called after each pass
+    and each round of the search with the least effort of each motion so far, shape (motions,).
     """
     planner = _Planner(wearers)
     samples, assisted = planner.samples, planner.assisted
@@ -97,7 +93,7 @@ class _Best:
         self._wearers, self._seeds = wearers, seeds
 
     def tried(self, commands: Array) -> list[Trace]:
-        """Returns the motions under other plans, none if an arm is lost; keeps better plans."""
+        """Returns the motions under other plans, or [] if an arm is lost; keeps better plans."""
         try:
             traces = self._wearers.adapted(partial(Planned, commands), self._seeds)
         except ArmLost:
@@ -112,7 +108,7 @@ class _Best:
 
 
 def _search(best: _Best, on_pass: Callable[[Array], None]) -> None:
-    """Tries changes of the best plans, in rounds, as long as a round takes off enough effort."""
+    """Tries changes of the best plans in rounds, as long as a round reduces effort enough."""
     rng = np.random.default_rng(0)
     sooner_or_later = [partial(_shifted, by=by) for by in SOONER]
     for round_, least in enumerate((GAIN, *[LITTLE] * ROUNDS)):
@@ -129,7 +125,7 @@ def _changes(rng: np.random.Generator) -> Iterator[Callable[[Array], Array]]:
     from scipy.ndimage import gaussian_filter1d  # slow to import
 
     def bent(commands: Array, size: float) -> Array:
-        """Returns plans with smooth random bumps, of a size over that of the plan."""
+        """Returns plans with smooth random bumps; `size` is their size over the plan's."""
         width = rng.uniform(*BEND_WIDTHS)
         bumps = gaussian_filter1d(rng.normal(size=commands.shape), width, axis=1, mode="nearest")
         return commands + size * root_mean_square(commands) / root_mean_square(bumps) * bumps
@@ -150,7 +146,7 @@ def _shifted(commands: Array, by: int) -> Array:
 
 
 class _Planner:
-    """Turns torques that are wanted into commands that the motors can follow."""
+    """Turns wanted torques into commands that the motors can follow."""
 
     def __init__(self, wearers: Wearers) -> None:
         simulation = wearers.arms.episodes.simulation
@@ -161,7 +157,7 @@ class _Planner:
         self._gain = 1 - np.exp(-math.tau * bandwidth * self._dt)
 
     def given(self, wanted: Array) -> Array:
-        """Returns the torques nearest to what is wanted that the motors can give."""
+        """Returns the torques nearest to the wanted torques that the motors can give."""
         found = wanted.copy()
         for row in found:
             for column, motor in enumerate(self._motors):
@@ -171,8 +167,8 @@ class _Planner:
     def commands(self, wanted: Array) -> Array:
         """Returns commands over the motors' peaks for torques [N·m], shape (rows, samples, 2).
 
-        After the commands, lagging motors give what is wanted, as far as their peaks allow. The
-        motors begin at the first command.
+        Under the commands, lagging motors give the wanted torques, as far as the peaks allow, from
+        the first command on.
         """
         wanted, gain, peak = self.given(wanted), self._gain, self._peak
         given = np.clip(wanted[:, 0], -peak, peak)
@@ -185,13 +181,13 @@ class _Planner:
 
 
 def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
-    """Returns the torque nearest to the wanted one [N·m] among those that a motor can give.
+    """Returns the possible torque of a motor nearest to the wanted torque [N·m].
 
-    No torque is above the peak, and the heat, the running mean square, never above the continuous
-    torque squared. The missing squares are least where the torque is wanted / (1 + scarcity), and
-    scarcity is a sum of the prices of heat at later times, each remembered as heat is. Prices that
-    maximize the dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the heat is
-    below its limit. Torques are at every sample, shape (samples,).
+    No torque is above the peak, and the heat, a running mean square, is never above the square of
+    the continuous torque. The sum of squared differences is least for torques wanted / (1 +
+    scarcity). Scarcity is the sum of the prices of heat at later times, with the decay of heat. The
+    prices that maximize the dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the
+    heat is below its limit. Torques have the shape (samples,).
     """
     from scipy.optimize import Bounds, minimize  # slow to import
     from scipy.signal import lfilter

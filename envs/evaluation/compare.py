@@ -31,14 +31,14 @@ Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Scores on the same motions, and what they say beside each other.
+    """Scores of policies, references and bounds on the same motions, and comparisons of these.
 
     Attributes:
-        scores: Score of each policy, reference and bound, by name, in the order of evaluation.
+        scores: Scores by the name of the policy, reference or bound, in the order of evaluation.
         adapted: Whether the scores are of wearers who have learned the motions.
-        traces: The motions of each of them.
+        traces: Motions by the same names.
         first_seed: Seed of the first motion.
-        extras: Scores of extras of each of them, by the name of the score.
+        extras: Scores of extras, by the name of the score and then by the same names.
     """
 
     scores: Mapping[str, Score]
@@ -49,7 +49,7 @@ class Evaluation:
 
     @property
     def suit_cost(self) -> Interval | None:
-        """Effort that the suit costs: suited less unsuited; None without references."""
+        """Effort with the suit less that without suit; None without references."""
         if any(name not in self.scores for name in REFERENCES):
             return None
         unsuited, suited = map(self._effort, REFERENCES)
@@ -63,25 +63,23 @@ class Evaluation:
         return self._relief(policy, "effort")
 
     def assisted_relief(self, policy: str) -> Interval | None:
-        """Returns the relief of the joints that can have a motor; None likewise."""
+        """Returns the relief of the joints that can have a motor; None as for `relief`."""
         return self._relief(policy, "assisted_effort")
 
     def _relief(self, policy: str, effort: str) -> Interval | None:
         self._check(policy)
-        if any(name not in self.scores for name in REFERENCES):
-            return None
-        names = (*REFERENCES, policy)
-        return relief_interval(*(getattr(self.scores[name], effort) for name in names))
+        found = [self.scores.get(name) for name in (*REFERENCES, policy)]
+        return relief_interval(*(getattr(one, effort) for one in found)) if all(found) else None
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
-        """Returns the relief of a policy less that of another, motion by motion; None likewise."""
+        """Returns the paired difference of relief, policy less other; None as for `relief`."""
         if self.relief(policy) is None or self.relief(other) is None:
             return None
         unsuited, suited, one, two = map(self._effort, (*REFERENCES, policy, other))
         return ratio_interval(two - one, suited - unsuited)
 
     def share_of_bound(self, policy: str, bound: str = BOUNDS[1]) -> Interval | None:
-        """Returns the relief of a policy over that of a bound; None where there is none."""
+        """Returns the relief of a policy over that of a bound; None where a relief is None."""
         self._check(policy)
         if bound not in BOUNDS:
             self._check(bound)
@@ -99,6 +97,7 @@ class Evaluation:
 
     @cached_property
     def _costs(self) -> dict[str, extra_scores.Costs]:
+        """Costs by score, policy and name of the cost."""
         return {name: extra_scores.costs_of(name, found) for name, found in self.extras.items()}
 
     def to_dict(self) -> dict[str, Any]:
@@ -115,7 +114,7 @@ class Evaluation:
         return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
 
     def tables(self, place: str = "") -> dict[str, Rows]:
-        """Returns tables by title: scores with relief, the cost of a motion, medians of units."""
+        """Returns tables by title: scores with relief, costs of a motion, medians over motions."""
         scores, related = [*self.scores.values()], None if self.suit_cost is None else self
         tables = {
             f"Scores: {place}" if place else "Scores": report.score_table(scores, related),
@@ -128,7 +127,7 @@ class Evaluation:
         return tables
 
     def sentences(self) -> list[str]:
-        """Returns what suit and policies cost and give back, why motions failed, and limits."""
+        """Returns sentences about cost and relief, failed motions, and limits of the numbers."""
         scores = [*self.scores.values()]
         found = [*say.story(self), *say.why_remarks(scores), *say.cuff_remarks(scores)]
         found += say.guard_remarks(scores)
@@ -158,7 +157,7 @@ class Evaluation:
         }
 
     def first(self, policies: Sequence[str] | None = None) -> dict[str, Trace]:
-        """Returns the first motion of some policies, by default of all."""
+        """Returns the first motion of some policies, by default of all policies."""
         return {name: self.traces[name][0] for name in policies or self.traces}
 
 
@@ -174,32 +173,27 @@ def evaluate(
     on_policy: OnPolicy | None = None,
     **env_options: Any,
 ) -> Evaluation:
-    """Runs every policy on the same `motions` intended motions and scores it.
+    """Runs every policy on the same intended motions and scores the policy.
 
-    The motions are rows of one vector environment, and a row is what a single environment would be
-    with its seed. A named policy sees the sensor suites that it needs, one of your own those in
-    `env_options`.
+    The motions are rows of one vector environment, and a row is equal to a single environment with
+    the same seed. A named policy observes the sensor suites that it needs, a policy of your own
+    observes those in `env_options`.
 
     Args:
         env_id: Id of a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
-        policies: Policies as `policy_spec` takes them, names of bounds ("clairvoyant-suit",
-            "best-known-plan"), or functions from the vector environment to a policy of your own,
-            such as its class; or a dict of these by names of your choice.
-        motions: Number of motions of each policy; motion i has the seed + i.
+        policies: Policies as in `policy_spec`, names of bounds ("clairvoyant-suit",
+            "best-known-plan"), or functions from a `Plant` to a policy of your own, such as its
+            class; or a dict of these by names of your choice.
+        motions: Number of motions of each policy; motion i has the seed `seed` + i.
         seed: Seed of the first motion.
         references: Whether to run the references too: "unsuited", without suit and exoskeleton, and
             "suited", without exoskeleton.
-        adapted: Whether wearers have learned the motions; those who have not are scored beside.
-            Otherwise only those are.
-        scores: Names of scores of extras, such as "muscles", that the motions get too.
-        on_policy: Function that is called after each of them with its name and its motions, and
-            after each score of it again.
+        adapted: Whether wearers have learned the motions. The scores then have the effort of
+            wearers who have not learned as `unadapted_effort`.
+        scores: Names of further scores of the motions, from extras, such as "muscles".
+        on_policy: Function that is called with name and motions of each policy after its motions,
+            and again after each further score.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
-
-    Raises:
-        InputError: References are asked for where there is no suit, a policy of your own makes
-            something that cannot act or ends episodes, so that no wearer can adapt, or an argument
-            is unknown or outside its range.
     """
     named = named_policies(policies)
     at_least("motions", motions, 1)
@@ -211,7 +205,7 @@ def evaluate(
     refuse_old_names(env_options, {"settled": "adapted"})
     for name in ("learned_torque", "effort_scale"):
         if name in env_options:
-            raise InputError(f"{name} is what evaluate sets itself: leave it out")
+            raise InputError(f"evaluate sets {name} itself: leave {name} out")
     if env_options.get("coupling") == "none":
         for given in named.values():
             if not callable(given) and str(given) != "none":
@@ -221,8 +215,7 @@ def evaluate(
                 )
     if references and env_options.get("suit") == NO_SUIT:
         raise InputError(
-            "references are asked for, and suit is 'none': there is no suit whose cost could be "
-            "given back, so name a suit or use references=False"
+            "references need a suit, and suit is 'none': name a suit, or use references=False"
         )
     scale, found = None, {}
     first = reversed(REFERENCES) if references else ()
@@ -232,7 +225,7 @@ def evaluate(
             **{**env_options, "adapted": adapted, "unadapted": True, "effort_scale": scale},
         )
         if name in REFERENCES:
-            scale = one.effort_scale  # that of the suited arm, for all
+            scale = one.effort_scale  # of the suited arm, for all policies
         if name == BOUNDS[1]:
             one = _best_known(one, [found[other] for other in named if other in found])
         found[name] = one
@@ -259,10 +252,7 @@ def _scored(
 def check_policy(
     env_id: str, policy: AnyPolicy, scores: Sequence[str] = (), **env_options: Any
 ) -> None:
-    """Makes one arm and a policy or bound, so that mistakes are known before anything moves.
-
-    Scores of extras, by their names, are asked whether they can score its motions.
-    """
+    """Checks a policy or bound, and scores of extras, on one arm, without any simulation."""
     needed = {} if policy in BOUNDS else needed_options(policy)
     arms = make_arms(env_id, 1, **{**env_options, **needed})
     try:
@@ -275,9 +265,9 @@ def check_policy(
 
 
 def _best_known(plan: Run, others: Sequence[Run]) -> Run:
-    """Returns the motions with the least effort: those of the plan, or of a policy that succeeds.
+    """Returns the motions with the least effort, among the plan and policies that succeed.
 
-    A policy's torque over time is a plan as well, and one that is known.
+    The torque of a policy over time is a known plan as well.
     """
     best = list(plan.traces)
     for other in others:
@@ -289,7 +279,7 @@ def _best_known(plan: Run, others: Sequence[Run]) -> Run:
 
 
 def named_policies(policies: Policies) -> dict[str, Runnable]:
-    """Returns what to evaluate, by name: a policy as data, the name of a bound, or a function."""
+    """Returns policies as data, names of bounds, and functions, by names."""
     if isinstance(policies, str):
         raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
     if not isinstance(policies, Mapping | Sequence):
@@ -311,13 +301,13 @@ def named_policies(policies: Policies) -> dict[str, Runnable]:
     for name, given in named.items():
         if name in (*POLICIES, *BOUNDS) and name not in (given, getattr(given, "name", None)):
             raise InputError(
-                f"a policy of your own has the label {name!r}, the name of another one: choose "
-                "another label"
+                f"a policy of your own has the label {name!r}, which is the name of a shipped "
+                "policy or bound: choose another label"
             )
         if name in REFERENCES:
             raise InputError(
-                f"policy {name!r} is a reference, which has no exoskeleton: leave it out, as "
-                "references=True runs it"
+                f"policy {name!r} is a reference without exoskeleton: leave it out, and use "
+                "references=True"
             )
     return named
 
@@ -330,7 +320,7 @@ def _checked(name: str | None, given: AnyPolicy | Make) -> Runnable:
     if not callable(given):
         what = "a policy" if name is None else f"policy {name!r}"
         raise InputError(
-            f"{what} is {shown(given)}: give a name, or a function from the environment to a "
-            "policy, such as the policy's class or lambda env: policy"
+            f"{what} is {shown(given)}: give a name, or a function from a plant to a policy, such "
+            "as the policy's class or lambda plant: policy"
         )
     return given

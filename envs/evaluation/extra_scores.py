@@ -1,4 +1,4 @@
-"""Scores of extras beside those of an evaluation: mean costs, and the relief of each."""
+"""Scores of extras in an evaluation: mean costs, and the relief of each cost."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -15,19 +15,11 @@ Facts = Mapping[str, Any]
 
 
 class Cost(NamedTuple):
-    """A cost of motions under one policy.
+    """A cost of motions under one policy."""
 
-    Attributes:
-        mean: Mean over motions and settings; infinite where the policy could not act, or a motion
-            has no cost.
-        relief: Relief, and what other motions would tell; None where no suit costs enough.
-        between: Least and greatest relief over all conventions; None where a setting has none under
-            one of them.
-    """
-
-    mean: float
-    relief: Interval | None
-    between: tuple[float, float] | None
+    mean: float  # over motions and settings; infinite for failed policies and missing costs
+    relief: Interval | None  # interval over motions; None where no suit costs enough
+    between: tuple[float, float] | None  # least and greatest relief over all conventions, if known
 
 
 Costs = Mapping[str, Mapping[str, Cost | None]]
@@ -35,13 +27,13 @@ Costs = Mapping[str, Mapping[str, Cost | None]]
 
 
 def cost_of(scored: Mapping[str, Scored], policy: str, cost: str, least: float) -> Cost:
-    """Returns what the motions of an evaluation cost; without references there is no relief.
+    """Returns a cost of the motions of an evaluation; without references there is no relief.
 
     Args:
         scored: Scores of all policies.
         policy: Name of a policy.
         cost: Name of the cost.
-        least: Cost of a suit for relief to have a meaning.
+        least: Least cost of a suit for which relief has a meaning.
     """
     own, found = scored[policy].costs[cost], []
     for convention in own if all(name in scored for name in REFERENCES) else ():
@@ -63,7 +55,7 @@ def costs_of(name: str, scored: Mapping[str, Scored]) -> dict[str, dict[str, Cos
 
 
 def plain(name: str, scored: Scored, costs: Mapping[str, Cost | None]) -> dict[str, Any]:
-    """Returns what a score says about one policy as plain values, with their units."""
+    """Returns a score of one policy as plain values with units."""
     found = {**scored.costs, **scored.facts, "units": SCORES.find(name).units}
     for cost, one in costs.items():
         found[f"{cost}_relief"] = one and one.relief and one.relief.to_dict()
@@ -72,7 +64,7 @@ def plain(name: str, scored: Scored, costs: Mapping[str, Cost | None]) -> dict[s
 
 
 def drawn_policies(name: str, scored: Mapping[str, Scored]) -> list[str]:
-    """Returns the suit alone and the policy that costs least, which a figure shows."""
+    """Returns the names that a figure shows: the suit alone, and the policy with the least cost."""
     cost = next(iter(SCORES.find(name).least))
     means = {policy: np.mean(one.costs[cost][STANDARD]) for policy, one in scored.items()}
     free = [policy for policy in means if policy not in REFERENCES]
@@ -81,7 +73,7 @@ def drawn_policies(name: str, scored: Mapping[str, Scored]) -> list[str]:
 
 
 def cost_remarks(name: str, scored: Mapping[str, Scored], costs: Costs) -> Iterator[str]:
-    """Yields sentences: what limits the numbers of an evaluation, and what the suit costs."""
+    """Yields sentences about limits of the numbers of an evaluation, and the cost of the suit."""
     score = SCORES.find(name)
     yield from limit_remarks(name, {policy: one.facts for policy, one in scored.items()})
     if all(policy in costs for policy in REFERENCES):
@@ -93,9 +85,9 @@ def cost_remarks(name: str, scored: Mapping[str, Scored], costs: Costs) -> Itera
 
 
 def limit_remarks(name: str, facts: Mapping[str, Facts]) -> Iterator[str]:
-    """Yields sentences: what limits the numbers, where most, and in how many cases.
+    """Yields a sentence for each limit that facts exceed: the worst case and the number of cases.
 
-    The facts are by case, which is a policy, or a policy in a setting.
+    A case is a policy, or a policy in a setting.
     """
     for limit, (least, sentence) in SCORES.find(name).limits.items():
         known = {place: one.get(limit) for place, one in facts.items()}
@@ -107,9 +99,9 @@ def limit_remarks(name: str, facts: Mapping[str, Facts]) -> Iterator[str]:
 
 
 def cost_table(name: str, costs: Costs, facts: Mapping[str, Sequence[Facts]]) -> Rows:
-    """Returns a row per policy: each cost, its relief, the range of that, and facts by name.
+    """Returns a row per policy: each cost, its relief, the range of relief, and facts by name.
 
-    The facts of a policy are one for each setting.
+    A policy has one set of facts for each setting.
     """
     score = SCORES.find(name)
     every = [pair for some in facts.values() for one in some for pair in one.items()]
@@ -133,7 +125,7 @@ def _cells(cost: Cost | None) -> list[str]:
 
 
 def _greatest(facts: Sequence[Facts], name: str, count: int) -> str:
-    """Returns the greatest numbers of a fact by name, each the greatest of all settings."""
+    """Returns the `count` greatest numbers of a fact by name, over all settings."""
     named = (one[name] for one in facts if isinstance(one.get(name), dict))
     pairs = (pair for one in named for pair in one.items())
     most = dict(sorted(pairs, key=lambda pair: pair[1]))

@@ -69,10 +69,9 @@ def motion_loops_plot(traces: Traces) -> Plot:
 
 
 def strain_plot(traces: Traces) -> Plot:
-    """Returns what the wearer and the motors bear at the assisted joints, a line per policy.
+    """Returns effort, strength, fatigue and heat at the assisted joints, a line per policy.
 
-    That is effort over time, the strength of the weaker muscles, the fatigued part of the more
-    fatigued ones where muscles tire, and the motors' heat where there are motors.
+    Strength is that of the weaker of a joint's muscles, fatigue that of the more fatigued.
     """
     at, of = ASSISTED_COLUMNS, traces.items()
     rows: dict[str, dict[str, Array]] = {

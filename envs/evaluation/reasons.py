@@ -1,11 +1,11 @@
-"""Why a motion did not go well: each limit of success that it exceeded, by how much and when.
+"""Reasons why a motion failed: each limit of success that was exceeded, by how much and when.
 
-A tracking error oscillates if it swings with a period which the intended motion does not have.
-What the intended motion explains is subtracted first, by least squares: a mean, a drift, and what
-is proportional to the intended angles, rates, accelerations and directions, as the error of an arm
-with spring, damping, inertia and friction is. The rest oscillates if most of the squared error is
-in one octave of its periodogram. An octave, since the period of a limit cycle with friction varies
-with its amplitude.
+A tracking error oscillates if it has a period which the intended motion does not have. The part
+that the intended motion explains is subtracted first, by least squares: a mean, a drift, and terms
+in proportion to the intended angles, rates, accelerations and directions, as in the error of an arm
+with spring, damping, inertia and friction. The rest oscillates if most of the squared error is in
+one octave of its periodogram; an octave, since the period of a limit cycle with friction varies
+with the amplitude.
 """
 
 from collections.abc import Sequence
@@ -25,58 +25,42 @@ from ..tasks import Task
 
 SHARE = 0.6  # least share of the squared error in one octave; see tests/envs/evaluation
 PERIODS = 8  # fewest periods in a motion; drift and slow noise seem to have fewer
-SHORTEST = 6  # control periods; a wider octave at the end of the spectrum would be noise
-STILL = 1e-3  # rad/s, rate below which the intended motion has no direction
-SAME = 0.8  # correlation from which the intended motion repeats itself
-NEAR = 0.03  # relative difference of two periods that count as the same
+SHORTEST = 6  # [control periods], least period; faster octaves have much noise
+STILL = 1e-3  # [rad/s], rate below which the intended motion has no direction
+SAME = 0.8  # least correlation of an intended motion that repeats
+NEAR = 0.03  # greatest relative difference of two periods that count as equal
 
 
 @dataclass(frozen=True)
 class Oscillation:
-    """An oscillation.
+    """An oscillation."""
 
-    Attributes:
-        period_s: Period, the mean one if it varies [s].
-        amplitude: Amplitude of a sine with the same mean square, in the unit of the error.
-    """
-
-    period_s: float
-    amplitude: float
+    period_s: float  # period, or mean period [s]
+    amplitude: float  # of a sine with the same mean square, in the unit of the error
 
 
 @dataclass(frozen=True)
 class Reason:
     """A limit of success that a motion exceeded.
 
-    Attributes:
-        name: Name of the cost, as in `Limit`.
-        value: Cost of the motion.
-        limit: Greatest cost with which it would have succeeded.
-        unit: Unit of both, "1" for a ratio.
-        time_s: Time at which it was first exceeded [s]. A root mean square is that of the whole
-            motion: its time is that from which nothing could have kept it below the limit.
-        part: Joint, motor or cuff that exceeded it; None where the whole hand did.
-        oscillation: Oscillation that dominates the tracking error of the joint, with its amplitude
-            in `unit`; None where there is none, and for other costs.
+    A root mean square over the whole motion is known before its end to exceed a limit: `time_s` is
+    the first time at which no later error could keep it below the limit.
     """
 
-    name: str
-    value: float
-    limit: float
-    unit: str
-    time_s: float
-    part: str | None
-    oscillation: Oscillation | None = None
+    name: str  # name of the cost, as in `Limit`
+    value: float  # cost of the motion
+    limit: float  # greatest cost of a success
+    unit: str  # unit of value and limit, "1" for a ratio
+    time_s: float  # first time at which the cost exceeded the limit [s]
+    part: str | None  # joint, motor or cuff with the excess; None for the hand
+    oscillation: Oscillation | None = None  # of the joint's tracking error, in `unit`
 
 
 def reasons(measured: Array, costs: Array, task: Task, *, lost: bool) -> tuple[Reason, ...]:
-    """Returns why a motion failed; nothing if it succeeded.
+    """Returns the reasons why a motion failed; none if the motion succeeded.
 
-    Args:
-        measured: Measurements after each control period, shape (n, columns) as `COLUMNS`.
-        costs: Costs of the episode after each control period, shape (n, 14).
-        task: The task.
-        lost: Whether the arm was lost at the end.
+    Measurements (n, columns as `COLUMNS`) and costs of the episode (n, 14) are after each control
+    period; `lost` says whether the arm was lost at the end.
     """
     found, times = [], measured[:, COLUMNS["time"].start]
     for limit in failed(costs[-1], len(costs), task, ended=lost):
@@ -123,15 +107,12 @@ def _part(cost: str, measured: Array, costs: Array, at: int) -> str | None:
 
 @dataclass(frozen=True, kw_only=True)
 class Frequent(Reason):
-    """A limit that some motions exceeded, with the medians of their numbers.
+    """A limit that some motions exceeded, with medians over these motions.
 
-    The part is the most frequent one; the oscillation is there if more than half oscillate.
-
-    Attributes:
-        motions: Number of motions that exceeded it.
+    The part is the most frequent one; the oscillation is None unless more than half oscillate.
     """
 
-    motions: int
+    motions: int  # number of motions that exceeded the limit
 
 
 def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
@@ -155,18 +136,13 @@ def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
 
 
 def oscillation(error: Array, intended: Array, dt: float) -> Oscillation | None:
-    """Returns the oscillation that dominates an error; None where none does.
+    """Returns the oscillation that dominates a joint's tracking error [rad], (n,); None if none.
 
-    It has at least the share `SHARE` of the squared error, a constant one included, in one octave
-    with at least `PERIODS` periods in the motion. Noise, white or filtered, and drift have less. A
-    period after which the intended motion is the same or the opposite, or moves again, does not
-    count.
-
-    Args:
-        error: Tracking error of a joint after each control period [rad], shape (n,).
-        intended: Intended angles of all joints [rad], shape (n, joints), since joints that move
-            disturb the others.
-        dt: Control period [s].
+    The oscillation has at least the share `SHARE` of the squared error, constant part included, in
+    one octave with at least `PERIODS` periods in the motion. Noise, white or filtered, and drift
+    have less. A period after which the intended motion is the same or the opposite, or moves again,
+    does not count. Intended angles [rad] are of all joints, (n, joints), since moving joints
+    disturb the others.
     """
     most = len(error) // PERIODS  # longest period, in samples
     if most <= SHORTEST:
@@ -198,7 +174,7 @@ def _of_intended(rates: Array, most: int) -> NDArray[np.bool_]:
     for course in (*(rates * moves).T, *(moves - moves.mean(axis=0)).T):
         same = correlate(course, course, method="fft")[n - 1 :][: most + 1]
         same /= n - np.arange(most + 1)
-        later = np.logical_or.accumulate(same < 0)  # before, it is the same move
+        later = np.logical_or.accumulate(same < 0)  # smaller shifts are within one move
         found |= later & (np.abs(same) >= SAME * same[0])
     return found
 

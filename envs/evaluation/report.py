@@ -31,9 +31,9 @@ EFFORT = {
 
 
 def score_table(scores: Sequence[Score], evaluation: "Evaluation | None" = None) -> Rows:
-    """Returns one row per policy: effort, relief, torque by joint, tracking and success.
+    """Returns one row per policy: effort, torque by joint, tracking and success.
 
-    The relief is known where the evaluation of the scores is given, and has references.
+    With an evaluation of the scores that has references, rows have relief too.
     """
     header = ["policy", "effort\n[%]"]
     if evaluation is not None:
@@ -63,10 +63,7 @@ def _cells(score: Score, evaluation: "Evaluation | None") -> Iterator[str]:
 
 
 def effort_table(scores: Sequence[Score]) -> Rows:
-    """Returns one row per policy and assisted joint: what a motion costs the wearer.
-
-    Only the first row of a policy has its name.
-    """
+    """Returns a row per policy and assisted joint: costs of a motion; first rows have the name."""
     rows = [
         [
             score.policy if joint == ASSISTED[0] else "",
@@ -80,7 +77,7 @@ def effort_table(scores: Sequence[Score]) -> Rows:
 
 
 def units_table(scores: Sequence[Score]) -> Rows:
-    """Returns one row per policy: medians over motions of what work is usually measured by."""
+    """Returns one row per policy: medians over motions of usual measures of work."""
     header = ["policy", "above 15 %\n[% of time]", "endurance\n[s]", "hand\nSPARC"]
     header += ["completed\nin [s]", "wrong-way\nassist [J]"]
     rows = []
@@ -102,8 +99,8 @@ def _units(score: Score) -> tuple[Sequence[float], ...]:
 def score_columns(scores: Sequence[Score], first_seed: int) -> Columns:
     """Returns a row per policy and motion: effort, torque, tracking, reward, success, strength.
 
-    Names of columns end with their units; a share has the unit 1. Where muscles tire, the fatigued
-    part of each joint's at the end of the motion is there.
+    Names of columns end with their units; a share has the unit 1. Where muscles tire, rows have the
+    fatigued part of each joint's muscles at the end of the motion.
     """
     joints = [f"{joint}_torque_nm" for joint in JOINTS]
     header = ["policy", "seed", "effort_share", *joints, "tracking_rad", "reward", "success"]
@@ -137,7 +134,7 @@ def trace_columns(traces: Mapping[str, Trace]) -> Columns:
 
 
 def _series(trace: Trace) -> dict[str, Array]:
-    """Returns what a trace has over time, by the names of columns."""
+    """Returns the time series of a trace, by the names of columns."""
     found = {"time_s": trace.time}
     extensor, flexor = (None, None) if trace.fatigue is None else np.moveaxis(trace.fatigue, 1, 0)
     for label, joints, values in (

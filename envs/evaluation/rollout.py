@@ -1,4 +1,4 @@
-"""Runs policies in closed loop, and keeps what happened."""
+"""Runs policies in closed loop, and keeps the motions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from ..vector_env import ArmVectorEnv
 from .reasons import Reason, reasons
 
 SERIES = ("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque", "effort")
-SOME = {"cuff_force": (3, 3), "fatigue": (2, 4), "motor_load": (2,)}  # what some arms lack
+SOME = {"cuff_force": (3, 3), "fatigue": (2, 4), "motor_load": (2,)}  # series that some arms lack
 FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 
 
@@ -44,21 +44,22 @@ class Trace:
         assist_energy: Energy of the motors, the integral of |torque x rate| [J].
         rewards: Reward of each control period, shape (n,).
         costs: Cost terms of the episode, as `info["cost_terms"]` at its end.
-        guarded: Number of control periods in which the policy's guard lessened a torque; None where
-            it has none.
-        why: Limits of success that the episode exceeded; none if it went well.
+        guarded: Number of control periods in which the policy's guard reduced a torque; None
+            without a guard.
+        why: Limits of success that the episode exceeded; none for a success.
         limits: Limits of success of its task.
-        strength: Torque that the extensors and the flexors of each joint could give at rest in that
-            posture, fatigued as they are [N·m], shape (n, 2, 4).
+        strength: Torque that the extensors and the flexors of each joint could give at rest in the
+            posture of the moment, with their fatigue [N·m], shape (n, 2, 4).
         fatigue: Fatigued part of the extensors and the flexors of each joint, shape (n, 2, 4); None
             where muscles do not tire.
-        motor_load: Root mean square of the motors' torque over the continuous one, which is their
-            heat, shape (n, 2); a motor at 1 is hot and gives no more. None without motors.
+        motor_load: Running root mean square of the motors' torque over the continuous torque, a
+            measure of heat, shape (n, 2); a motor at 1 is hot and limited to the continuous torque.
+            None without motors.
         peak_torque: Peak torque of the motors [N·m], shape (2,); None without motors.
         terminated: Whether the episode ended by failure.
-        periods: Number of control periods of the whole motion, however early the episode ended.
+        periods: Number of control periods of the whole motion, also of an episode that ended early.
         arm: The wearer's arm.
-        dressed: Links of the arm with the suit on it and its load, but without exoskeleton.
+        dressed: Links of the arm with suit and load, but without exoskeleton.
     """
 
     time: Array
@@ -88,12 +89,12 @@ class Trace:
 
     @property
     def success(self) -> bool:
-        """Whether the episode went well, as `info["is_success"]` at its end."""
+        """Whether the episode exceeded no limit of success, as `info["is_success"]` at its end."""
         return not self.why
 
     @property
     def hot_from(self) -> tuple[float, ...]:
-        """Time at which each motor was hot for the first time [s]; infinite where never."""
+        """First time at which each motor was hot [s]; infinite for a motor that never was."""
         if self.motor_load is None:
             return ()
         hot = self.motor_load >= 1 - ROUNDING
@@ -122,16 +123,16 @@ def rollout(
         arms: Vector environment with as many rows as seeds.
         policy: Policy that acts on the observations of all rows.
         seeds: Seed of each row; the row's episode is the first of that seed.
-        learned: What the wearers have learned [N·m], shape (rows, samples, 4) each, as options of a
-            reset, for arms that were made with learned_torque=True.
+        learned: Torques that the wearers have learned [N·m], shape (rows, samples, 4) each, as
+            options of a reset, for arms that were made with learned_torque=True.
 
     Returns:
-        The episode of every row; an episode in which the arm is lost ends early.
+        The episode of every row; an episode ends early if the arm is lost.
     """
     if arms.autoreset_mode is not AutoresetMode.NEXT_STEP or arms.staggered:
         raise InputError(
             f"autoreset_mode is {arms.autoreset_mode.value!r} and stagger is {arms.staggered}: "
-            "whole episodes need 'NextStep' without stagger, so leave both out"
+            "rollout needs 'NextStep' without stagger: leave both options out"
         )
     observation, _ = arms.reset(seed=list(seeds), options=dict(learned or {}))
     policy.reset()
@@ -180,12 +181,9 @@ def rollout(
 
 
 def strength_left(strength: Array, angle: Array, fatigue: Array | None) -> Array:
-    """Returns what the extensors and the flexors of each joint could give at rest [N·m], (n, 2, 4).
+    """Returns the torque of extensors and flexors of each joint at rest [N·m], shape (n, 2, 4).
 
-    Args:
-        strength: The wearer's strength, as `isometric_strength` has it.
-        angle: Joint angles [rad], shape (n, 4).
-        fatigue: Fatigued part of the muscles, shape (n, 2, 4); None where they do not tire.
+    `strength` is as of `isometric_strength`, angles [rad] are (n, 4), fatigued parts (n, 2, 4).
     """
     low, high = strength_limits(strength, angle, np.zeros_like(angle))
     left = np.stack([-low, high], axis=1)

@@ -1,6 +1,6 @@
 """One policy on the motions of one setting: its traces and its score.
 
-`evaluate`, the benchmark and validation all run policies by `run`, so that a policy has one score.
+`evaluate`, the benchmark and validation all run policies by `run`, and so get the same score.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +14,7 @@ from ..domain.randomization import Randomization
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
-from ..policies.own import OwnPolicy
+from ..policies.registry import OwnPolicy
 from .best_known_plan import BOUNDS, clairvoyant
 from .rollout import Trace
 from .scores import REFERENCES, Score, score
@@ -22,7 +22,7 @@ from .wearers import Wearers
 
 Make = Callable[[Plant], Policy]
 Runnable = PolicySpec | str | Make
-"""A policy as data, the name of a reference or a bound, or a function that makes a policy."""
+"""A policy as data, the name of a reference or bound, or a function that makes a policy."""
 
 FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
 FIRST_PRACTICE = 10**9  # first seed of the practice of policies that learn over episodes
@@ -47,19 +47,14 @@ def run(
     unadapted: bool = False,
     **options: Any,
 ) -> Run:
-    """Runs a policy on the motions of some seeds.
+    """Runs a policy, reference or bound, with a name for its score, on the motions of some seeds.
 
-    Args:
-        name: Name of the policy in its score.
-        given: The policy, reference or bound.
-        env_id: Id of a registered environment.
-        seeds: Seed of each motion.
-        adapted: Whether wearers have learned the motions under the policy.
-        unadapted: Whether wearers who have not are scored beside.
-        **options: Options of the environment with an exoskeleton, and of `ArmVectorEnv`.
+    `adapted` says whether the wearers have learned the motions under the policy, `unadapted`
+    whether wearers who have not learned are scored too. Options are those of the environment with
+    an exoskeleton, and of `ArmVectorEnv`.
     """
     if options.get("reward") is not None:
-        raise InputError("scores are those of the shipped reward: leave the option reward out")
+        raise InputError("scores need the shipped reward: leave the option reward out")
     wearers = Wearers(env_id, len(seeds), **_options_of(given, options))
     try:
         make = _practiced(_maker(name, given, wearers, seeds), wearers)
@@ -98,7 +93,7 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
 def _maker(
     name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]
 ) -> Callable[[], Policy]:
-    """Returns a function that makes a policy anew, so that it carries nothing between rollouts."""
+    """Returns a function that makes a new policy for each rollout."""
     plant = Plant.of(wearers.arms.episodes)
     if isinstance(given, PolicySpec):
         return partial(make_policy, given, plant)
@@ -113,9 +108,9 @@ def _maker(
 
 
 def _practiced(make: Callable[[], Policy], wearers: Wearers) -> Callable[[], Policy]:
-    """Returns a function that makes a policy which has learned over its episodes of practice.
+    """Lets a policy practice on other motions; returns a function that copies the policy.
 
-    The motions of practice are others than those that are scored.
+    Returns `make` for a policy without practice.
     """
     policy, rows = make(), wearers.arms.num_envs
     rollouts = getattr(policy, "practice", 0)

@@ -1,4 +1,4 @@
-"""The score of a policy: one value per motion, and what follows from all of them."""
+"""The score of a policy: values of each motion, and values of all motions together."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
@@ -31,38 +31,38 @@ class Score:
     Attributes:
         policy: Name of the policy.
         effort: Root mean square, over time and four joints, of the wearer's torque over strength.
-        assisted_effort: The same of the two joints that can have a motor.
+        assisted_effort: Effort over the two joints that can have a motor.
         torque: Root mean square of the wearer's torque [N·m], by joint.
         peak: Largest |torque| of the wearer over all motions [N·m], by joint.
         tracking: Root mean square, over time and four joints, of the tracking error [rad].
         tracking_rmse: Root mean square of the tracking error over all motions [rad], by joint.
-        reward: Mean reward of a control period of the whole motion, in [0, 1]; what an episode that
-            ends early leaves out earns nothing.
+        reward: Mean reward of a control period of the whole motion, in [0, 1]; 0 counts after the
+            end of an episode that ended early.
         beginning: Share of the first half second in the sum of the rewards.
-        above_limit: Share of time in which a joint takes more than 15 % of strength.
-        endurance: Time for which the joint that tires first could bear the mean effort [s], as
-            `envs.person.endurance_time` has it; infinite where none tires.
+        above_limit: Share of time in which the effort of a joint is above 15 % of strength.
+        endurance: Time for which the joint that tires first could bear the mean effort [s], by
+            `envs.person.endurance_time`; infinite where no joint tires.
         smoothness: SPARC of the hand's speed, negative, nearer zero if smoother.
-        completion: Time of the motion where it went well [s]; NaN where not.
-        success: Whether the motion went well: it exceeded no limit of success.
+        completion: Time of a successful motion [s]; NaN for a failed motion.
+        success: Whether the motion exceeded no limit of success.
         why: Limits of success that the motion exceeded, each with value, limit, unit and time.
         limits: Limits of success of the task.
-        hot_from: Time at which the motor of a joint was hot for the first time and gave no more
-            than its continuous torque [s], by joint; infinite where never.
-        saturated: Share of time in which it gave its peak torque, by joint.
-        fatigued: Fatigued part of the muscles of a joint at the end of the motion, of the more
-            fatigued of extensors and flexors, by joint; empty where muscles do not tire.
-        strength_left: Least strength of the weaker of a joint's muscles in the motion [N·m], at
-            rest in its postures and as fatigued as they are, by joint.
+        hot_from: First time at which the motor of a joint was hot, and limited to its continuous
+            torque [s], by joint; infinite for a motor that never was.
+        saturated: Share of time in which the motor gave its peak torque, by joint.
+        fatigued: Fatigued part at the end of the motion, of the more fatigued of a joint's
+            extensors and flexors, by joint; empty where muscles do not tire.
+        strength_left: Least strength in the motion of the weaker of a joint's muscles [N·m], at
+            rest in the postures of the motion and with fatigue, by joint.
         costs: Cost terms of the motion, by name.
         load: Mean over motions of the wearer's `EffortMetrics`, by joint.
         cuff_peak: Greatest force over all motions [N] by limb segment; None without cuffs.
         assist_energy: Energy of the motors [J].
         failures: Number of episodes that ended early.
-        guarded: Share of time in which a passivity guard lessened the motors' torque; empty without
-            one.
-        unadapted_effort: Effort of a wearer who has learned nothing; empty where it was not run.
-        unadapted_tracking: Tracking error of that wearer [rad]; empty where it was not run.
+        guarded: Share of time in which a passivity guard reduced the motors' torque; empty without
+            a guard.
+        unadapted_effort: Effort of a wearer who has not learned the motion; empty if not run.
+        unadapted_tracking: Tracking error of that wearer [rad]; empty if not run.
     """
 
     policy: str
@@ -122,11 +122,11 @@ UNITS: dict[str, Any] = {
         "log_dimensionless_jerk": "1",
     },
 }
-"""Units of the numbers of a score, "1" for a ratio; limits and reasons have theirs beside them."""
+"""Units of the numbers of a score, "1" for a ratio; limits and reasons contain their units."""
 
 
 def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ()) -> Score:
-    """Summarizes the motions of a policy, and the same of wearers who have learned nothing."""
+    """Summarizes motions of a policy, and motions of wearers who have not learned the motions."""
     human = np.concatenate([trace.human_torque for trace in traces])
     error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
 
@@ -134,7 +134,7 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
         return tuple(float(of(trace)) for trace in motions)
 
     def each_of(joints: Sequence[str], of: Callable[[Trace], Any]) -> dict[str, Values]:
-        """Returns the values of all motions by joint; nothing if a motion has none."""
+        """Returns the values of all motions by joint; empty if a motion has no values."""
         columns = zip(*map(of, traces), strict=True)
         return {joint: tuple(map(float, one)) for joint, one in zip(joints, columns, strict=False)}
 
@@ -181,7 +181,7 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
 
 
 def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:
-    """Returns mean effort metrics by joint; NaN if no record has the three samples they need."""
+    """Returns mean effort metrics by joint; NaN if no motion has three samples."""
     found = [
         effort_metrics(trace.human_torque, trace.rate, trace.time[1] - trace.time[0])
         for trace in traces

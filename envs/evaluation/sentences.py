@@ -1,22 +1,32 @@
-"""Evaluations in sentences: what suit and policies cost, and why motions did not go well."""
+"""Evaluations and validations in sentences.
 
-from collections.abc import Iterator, Sequence
+Evaluations: costs of suit and policies, and reasons why motions failed. Validations of suits:
+verdict, relief, and limits of both.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
 from statistics import fmean
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...arrays import Array
+from ...assets import Suit
+from ..model import ASSISTED
 from ..model.cuffs import FORCE_LIMITS
 from .reasons import Frequent, most_frequent
 from .scores import REFERENCES, Score
-from .statistics import interval_text
+from .statistics import interval_text, mean_interval
 
 if TYPE_CHECKING:
     from .compare import Evaluation
+    from .suit_validation import Validation
 
 SIDEWAYS = "shoulder_abduction"
-NOTED = 1.0  # [N·m], additional torque of abduction that is named
-LEAST = 0.01  # share of time at the peak torque that is worth a word
+NOTED = 1.0  # [N·m], least additional torque of abduction with a sentence
+LEAST = 0.01  # least share of time at the peak torque with a sentence
+LESS = "less than"
+TRUE = "true model"  # name of the policy that believes the true suit
 # Words for a limit, the factor of its numbers, their unit, and the limit's name in a sentence; only
 # limits with such a name can be exceeded by an arm without motors.
 _WORDS = {
@@ -32,10 +42,10 @@ _WORDS = {
 
 
 def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy some of whose motions failed, frequent reasons first.
+    """Yields a sentence for each policy with failed motions, frequent reasons first.
 
-    Another one follows where the suited arm without assistance exceeds a limit in none of the
-    motions in which the policy does, if its score is among them.
+    With the score of the suited arm, a second sentence names the limits that the policy exceeds and
+    the suited arm without assistance keeps in the same motions.
     """
     suited = next((one for one in scores if one.policy == REFERENCES[1]), None)
     for one in scores:
@@ -57,7 +67,7 @@ def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 
 def _kept_unassisted(score: Score, suited: Score) -> list[str]:
-    """Returns words for the limits that the suited arm keeps in all motions that exceed them."""
+    """Returns words for limits that the policy exceeds where the suited arm keeps the limits."""
     mine, both = set[str](), set[str]()
     for why, theirs in zip(score.why, suited.why, strict=True):
         names = {reason.name for reason in why}
@@ -72,7 +82,7 @@ def motions_text(count: int) -> str:
 
 
 def exceeded(why: Frequent) -> str:
-    """Returns by how much a limit was exceeded, and when: the medians of these motions."""
+    """Returns a phrase with median size and time of the excess over a limit."""
     part = (why.part or "").removesuffix("_flexion").replace("_", " ")
     if why.name == "lost":
         return f"arm lost at {why.time_s:.1f} s ({part})"
@@ -90,7 +100,7 @@ def _number(value: float) -> str:
 
 
 def _hot(score: Score) -> Iterator[str]:
-    """Yields motors that were hot, or gave their peak torque, in motions that failed."""
+    """Yields phrases about motors that were hot, or gave their peak torque, in failed motions."""
     bad = ~np.array(score.success)
     for joint, times in score.hot_from.items():
         hot = np.array(times)[bad]
@@ -103,7 +113,7 @@ def _hot(score: Score) -> Iterator[str]:
 
 
 def story(evaluation: "Evaluation") -> Iterator[str]:
-    """Yields sentences: what suit and exoskeleton cost, and which policies carry the person."""
+    """Yields sentences about the cost of suit and exoskeleton, and policies with relief above 1."""
     cost = evaluation.suit_cost
     if cost is None:
         return
@@ -129,20 +139,20 @@ def story(evaluation: "Evaluation") -> Iterator[str]:
 
 
 def _abduction(evaluation: "Evaluation") -> Iterator[str]:
-    """Yields what the wearer's shoulder carries because no motor turns it aside."""
+    """Yields a sentence about the torque of shoulder abduction, which has no motor."""
     torque = {name: one.human_rms[SIDEWAYS] for name, one in evaluation.scores.items()}
     suited = torque["suited"]
     least = min((one for name, one in torque.items() if name not in REFERENCES), default=0.0)
     if least > suited + NOTED:
         yield (
-            f"The exoskeleton hangs beside the arm and no motor abducts it: under every policy the "
-            f"wearer gives {least:.1f} N·m of abduction or more, and {suited:.1f} N·m "
-            "without exoskeleton, one joint of the four that effort is the mean of."
+            "No motor carries the exoskeleton in shoulder abduction, which is one of the four "
+            f"joints in effort: the wearer's torque of abduction is {least:.1f} N·m or more under "
+            f"every policy, and {suited:.1f} N·m without exoskeleton."
         )
 
 
 def cuff_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy with cuffs: the largest forces, and their limits."""
+    """Yields a sentence for each policy with cuffs: the largest forces and the limits of force."""
     for score in scores:
         forces = [
             f"{force:.0f} N ({segment.replace('_', ' ')}; at most {FORCE_LIMITS[segment]:.0f})"
@@ -153,7 +163,7 @@ def cuff_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 
 def guard_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy with a passivity guard: the share of time it acted."""
+    """Yields a sentence for each policy with a guard: the share of time in which it acted."""
     for score in scores:
         if score.guarded:
             mean, most = (100 * of(score.guarded) for of in (fmean, max))
@@ -164,10 +174,125 @@ def guard_remarks(scores: Sequence[Score]) -> Iterator[str]:
 
 
 def outcome(score: Score) -> str:
-    """Returns a sentence about one motion: whether it went well, and what it took the wearer."""
+    """Returns a sentence about one motion: success, effort and tracking error."""
     (effort,), (tracking,), (success,) = score.effort, score.tracking, score.success
     end = ", and the arm was lost before its end" if score.failures else ""
     return (
         f"Under {score.policy} the motion {'went well' if success else 'did not go well'}{end}: "
         f"effort {effort:.1%} of strength, tracking error {1e3 * tracking:.0f} mrad."
     )
+
+
+def validation_story(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
+    """Yields sentences about a believed suit: verdict with range of angles, limits, relief."""
+    nrmse = found.torque.nrmse
+    if nrmse is None:
+        yield f"{believed}: no verdict, since the true suit has no assisted joint"
+    elif found.same:
+        yield f"{believed}: no verdict, since it is the true suit too; {_covered(found)}"
+    else:
+        yield (
+            f"{believed}: {found.verdict} for {_ranges(found)}; torque error "
+            f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
+        )
+    yield from _beyond(found, believed, suit)
+    silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
+    if silent:
+        yield f"{believed} does not contain the noise of its curves: {', '.join(silent)}"
+    if found.relief is None:
+        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+        return
+    yield (
+        f"relief {interval_text(found.relief)}: {interval_text(found.difference)} less the relief "
+        f"with the true model, {interval_text(found.share_of_true)} of the relief with the true "
+        f"model, and {interval_text(found.share_of_bound)} of that of the best known plan"
+    )
+
+
+def answer(
+    found: "Validation", believed: str, suit: Suit, policy: str, evaluation: "Evaluation"
+) -> Iterator[str]:
+    """Yields sentences about the results of a policy with an identified model, and their limits.
+
+    The true suits are the model and the samples of the believed suit, whose name is `believed`.
+    """
+    joints = {joint: suit.joints[joint] for joint in found.torque.covered}
+    nrmse = found.torque.nrmse
+    if nrmse is None:
+        return
+    count = max(len(entry.samples) for entry in joints.values())
+    yield _effort_compared(policy, evaluation)
+    relief = f"a relief of {interval_text(found.relief)}"
+    if found.relief is None:
+        relief = "no relief that has a meaning, as the suit costs less than 1 % of strength,"
+    yield (
+        f"{policy} with this model has {relief} and a torque error of {nrmse.value:.1%} "
+        f"({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak, where the true suit is drawn among "
+        f"the model and {count} others that its curves allow"
+    )
+    yield f"no verdict, since a suit says nothing against itself; {_covered(found)}"
+    yield from _beyond(found, believed, suit)
+    left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
+    yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
+
+
+def lacking(believed: str, suit: Suit, true: str, plant: Suit) -> Iterator[str]:
+    """Yields sentences about joints that are not assisted, and the reasons."""
+    for joint in ASSISTED:
+        if joint not in plant.joints:
+            yield f"{joint}: nothing to assist, because {true} has no such joint"
+        elif joint not in suit.joints:
+            yield f"{joint}: not assisted, because {believed} has no such joint"
+
+
+def covered_by(cells: Iterable["Validation"]) -> str:
+    """Returns a sentence about the ranges of angles in the motions of all validations."""
+    ends: dict[str, list[float]] = {}
+    for found in cells:
+        for joint, covered in found.torque.covered.items():
+            ends.setdefault(joint, []).extend(covered)
+    ranges = [f"{joint} {min(one):.2f} to {max(one):.2f} rad" for joint, one in ends.items()]
+    return f"The motions covered {', '.join(ranges) or 'no joint that is judged'}."
+
+
+def _ranges(found: "Validation") -> str:
+    """Returns a phrase with the range of angles of the motions, by joint."""
+    covered = found.torque.covered.items()
+    return ", ".join(f"{joint} from {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered)
+
+
+def _covered(found: "Validation") -> str:
+    return f"the motions cover {_ranges(found)}"
+
+
+def _beyond(found: "Validation", believed: str, suit: Suit) -> Iterator[str]:
+    """Yields sentences about joints that moved beyond the range of their identification."""
+    for joint, (low, high) in found.torque.covered.items():
+        least, most = suit.joints[joint].range
+        if low < least - 0.05 or high > most + 0.05:
+            yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
+
+
+def _effort_compared(policy: str, evaluation: "Evaluation") -> str:
+    """Returns a sentence that compares the effort with that without exoskeleton, and its limit."""
+    (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
+    suited, true = (np.array(evaluation.scores[name].effort) for name in ("suited", TRUE))
+    effort = np.array(own.effort)
+    text = (
+        f"with {policy} and this model the wearer works {_compared(effort, suited)} without "
+        f"exoskeleton (effort {effort.mean():.1%} against {suited.mean():.1%} of strength), "
+        f"and {_compared(effort, true)} with the true model ({true.mean():.1%})"
+    )
+    if _compared(true, suited) == LESS:
+        return text
+    text += ": the limit is the controller and its motors here, not your measurement"
+    if evaluation.relief("suited") is None:
+        unsuited = float(np.mean(evaluation.scores["unsuited"].effort))
+        return f"{text}; there is little to give back, as the effort without suit is {unsuited:.1%}"
+    return text if policy == "compensation" else f"{text}; try --policy compensation"
+
+
+def _compared(effort: Array, other: Array) -> str:
+    """Returns a phrase that compares two efforts by the 95 % interval of the difference."""
+    apart = mean_interval(effort - other)
+    return LESS if apart.high < 0 else "more than" if apart.low > 0 else "as much as"

@@ -1,4 +1,4 @@
-"""Intervals around what an evaluation measures: what other motions or trainings would tell.
+"""Intervals of measured values, for other motions or trainings.
 
 The intervals of means and ratios are bootstrap-t: each resample is studentized by its own
 jackknife standard error (Efron & Tibshirani 1993, "An introduction to the bootstrap", chapters 11
@@ -6,8 +6,8 @@ and 12). In 2,000 repeats with 20 (50) motions, which the tests repeat, nominal 
 contained the truth in 95.5 (95.7) % for normal values, 95.2 (94.8) % for gamma values of shape 2,
 93.9 (94.8) % for t values with 5 degrees of freedom, 95.0 (94.9) % for paired differences of values
 with a correlation of 0.9, and 95.0 (95.5) % for ratios whose denominators have a coefficient of
-variation of 0.3; the binomial error is 0.5 %. Percentile and BCa intervals of such values had it in
-only 91 to 94 % with 20 motions.
+variation of 0.3; the binomial error is 0.5 %. Percentile and BCa intervals of such values contained
+the truth in only 91 to 94 % with 20 motions.
 """
 
 from collections.abc import Callable
@@ -24,10 +24,10 @@ from ...errors import InputError
 # With fewer motions percentiles of resamples are coarse: 7 motions have 1,716 different resamples,
 # fewer than are drawn, while 8 have 6,435; with 8 the coverage is still 93 to 96 %.
 FEWEST_MOTIONS = 8
-# Of 4 runs a resample repeats a single one in 1.6 % of cases and has no error of its own, which
-# decides about the ends of the interval; of 5 in 0.2 %.
+# Of 4 runs 1.6 % of the resamples repeat a single run and have no standard error, which decides
+# about the ends of the interval; of 5 runs 0.2 %.
 FEWEST_RUNS = 5
-FEWEST_RESAMPLES = 200  # one lies beyond each end at the highest level
+FEWEST_RESAMPLES = 200  # one resample lies beyond each end at the highest level
 LEVELS = 0.5, 0.99
 LEAST_ERROR = 0.2  # share of the data's standard error, for resamples that are nearly constant
 BLOCK = 2**20  # values of a series that are resampled at a time
@@ -38,10 +38,10 @@ Statistic = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Interval:
-    """A measured value and the interval that its truth lies in, in the unit of the value.
+    """A measured value and its confidence interval, in the unit of the value.
 
     Attributes:
-        value: What was measured.
+        value: Measured value.
         low: Lower end; -inf where the data set no limit.
         high: Upper end; inf where the data set no limit.
     """
@@ -55,7 +55,7 @@ class Interval:
         return vars(self).copy()
 
     def __str__(self) -> str:
-        """Returns such as "0.87 (0.81 to 0.93)": two digits of the width, three of a value."""
+        """Returns a text such as "0.87 (0.81 to 0.93)", rounded to two digits of the width."""
         width = self.high - self.low
         form = ".3g"
         if np.isfinite(width) and width > 0:
@@ -64,7 +64,7 @@ class Interval:
 
 
 def interval_text(one: Interval | None, form: str = "z.2f", *, lines: bool = False) -> str:
-    """Returns a value with its interval, whose ends may have a line of their own, or a dash."""
+    """Returns a value with its interval, in two lines if `lines`, or a dash for None."""
     if one is None:
         return "-"
     ends = f"{one.low:{form}} to {one.high:{form}}"
@@ -82,8 +82,8 @@ def interval_of(statistic: Statistic, *series: ArrayLike, **options: Any) -> Int
         statistic: A function of one mean for each series that works on arrays element by element,
             such as `lambda over, under: over / under` for a ratio of sums.
         *series: Values by motion, each of shape (motions,).
-        **options: The `level`, how often the interval should hold the truth, 0.5 to 0.99, by
-            default 0.95; the number of `resamples`, by default 2,000; and their `seed`.
+        **options: `level` of confidence, 0.5 to 0.99, by default 0.95; number of `resamples`, by
+            default 2,000; and their `seed`.
     """
     columns = _columns(**{f"series {i}": values for i, values in enumerate(series)})
 
@@ -108,9 +108,8 @@ def difference_interval(one: ArrayLike, other: ArrayLike, **options: Any) -> Int
 def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any) -> Interval:
     """Returns the interval of sum(numerator) / sum(denominator) over the same motions.
 
-    Where the sum of the denominators could as well be 0, which their own interval tells, the ratio
-    has no limits and the interval is infinite, as is that of Fieller (1954). The options are those
-    of `interval_of`.
+    Where the interval of the denominators' mean contains 0, the interval of the ratio is infinite,
+    as in Fieller (1954). The options are those of `interval_of`.
     """
     over, under = _columns(numerator=numerator, denominator=denominator)
     if under.mean() == 0:
@@ -122,9 +121,9 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
 
 
 def interquartile_mean(scores: ArrayLike) -> Array:
-    """Returns the mean of the middle half of scores, over their last axis.
+    """Returns the mean of the middle half of scores, over the last axis.
 
-    As in Agarwal et al. (2021), "Deep RL at the edge of the statistical precipice".
+    Source: Agarwal et al. (2021), "Deep RL at the edge of the statistical precipice".
     """
     ordered = np.sort(np.asarray(scores, np.float64), axis=-1)
     cut = ordered.shape[-1] // 4
@@ -134,13 +133,13 @@ def interquartile_mean(scores: ArrayLike) -> Array:
 def interquartile_mean_interval(scores: ArrayLike, **options: Any) -> Interval:
     """Returns the interval of the interquartile mean of all scores over other runs, or clusters.
 
-    A run is one training. The scores of the benchmark in one motion, or in one task, are such a
-    cluster as well: `tests/envs/benchmark/test_coverage.py` has the coverage with those.
+    A run is one training. The benchmark's scores in one motion, or in one task, are such a cluster
+    too; `tests/envs/benchmark/test_coverage.py` has the coverage with these clusters.
 
-    Agarwal et al. (2021) resample runs task by task, as their runs of two tasks are two trainings.
-    Here all episodes of a run share one training, so that whole runs are resampled: with 10 runs
-    that differ twice as much as their episodes the interval then contained the truth in 95 % of
-    repeats, while resampling episode by episode, or episodes within each run, had it in 42 to 43 %.
+    Agarwal et al. (2021) resample runs task by task, since their runs of two tasks are two
+    trainings. Here all episodes of a run share one training, so that whole runs are resampled: with
+    10 runs that differ twice as much as their episodes the interval contained the truth in 95 % of
+    repeats, against 42 to 43 % if episodes, or episodes within each run, are resampled.
     The standard error is that of a trimmed mean (Tukey & McLaughlin 1963), by runs.
 
     Args:
@@ -173,7 +172,7 @@ def _bootstrap_t(
     if not (np.isfinite(value) and np.isfinite(error)):
         raise InputError(
             f"the statistic is {value} with a standard error of {error}: "
-            "give one that is finite, also without any one motion"
+            "give a statistic that stays finite if any one motion is left out"
         )
     if error == 0:
         return Interval(value, value, value)
@@ -234,7 +233,7 @@ def _columns(**series: ArrayLike) -> list[Array]:
     if columns[0].size < FEWEST_MOTIONS:
         raise InputError(
             f"an interval needs at least {FEWEST_MOTIONS} motions, "
-            f"and there are {columns[0].size}: give more episodes"
+            f"and there are {columns[0].size}: give more motions"
         )
     return columns
 

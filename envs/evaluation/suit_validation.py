@@ -1,4 +1,4 @@
-"""`validate`: controllers that believe suits in arms that wear others, and what that says."""
+"""`validate`: tests of believed suits in closed loop, where the arm wears another suit."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -25,42 +25,43 @@ from .figures import motion_plots
 from .report import score_table, trace_columns
 from .rollout import Trace
 from .run import FIRST_SEED
-from .sentences import cuff_remarks, why_remarks
+from .sentences import (
+    TRUE,
+    answer,
+    covered_by,
+    cuff_remarks,
+    lacking,
+    validation_story,
+    why_remarks,
+)
 from .statistics import FEWEST_MOTIONS, Interval, interval_text
-from .validation_sentences import TRUE, answer, covered_by, lacking, story
 from .verdict import LIMITS, RULE, TorqueError, TorqueErrors, torque_errors
 
-LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
-WEIGHTLESS = "microgravity"  # where only the suit's torque remains
-OTHERS = 4  # number of policies and references beside those that believe a suit
-# Options with which the simulated suit is the one that is named.
+LEAST, MOST = 0.01, 0.5  # NRMSE at the ends of the color scale of the matrix
+WEIGHTLESS = "microgravity"  # the place without torques of weight
+OTHERS = 4  # number of policies and references that believe none of the suits
+# Options with which the simulated suit is exactly the named suit.
 AS_IS = {"pressure": None, "preconditioned": False, "level": NOMINAL}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Validation:
-    """What a believed suit is worth where another one is the true one.
+    """The validation of a believed suit where the arm wears a true suit.
 
-    Attributes:
-        same: Whether the believed suit is the true one, or the true one is a sample of it: then
-            there is no verdict, since a suit says nothing against itself.
-        torque: Torque errors along the motions under the controller that believes.
-        relief: Relief of that controller; see `Evaluation.relief`.
-        difference: Its relief less that with the true model, motion by motion.
-        share_of_true: Its relief over that with the true model.
-        share_of_bound: Its relief over that of the best known plan.
+    There is no verdict on a suit that is the true suit itself, or of which the true suit is a
+    sample: `same` is then True.
     """
 
     same: bool
-    torque: TorqueErrors
-    relief: Interval | None
-    difference: Interval | None
-    share_of_true: Interval | None
-    share_of_bound: Interval | None
+    torque: TorqueErrors  # along the motions under the controller that believes the suit
+    relief: Interval | None  # of that controller; see `Evaluation.relief`
+    difference: Interval | None  # relief less that with the true model, motion by motion
+    share_of_true: Interval | None  # relief over that with the true model
+    share_of_bound: Interval | None  # relief over that of the best known plan
 
     @property
     def verdict(self) -> str | None:
-        """The verdict by the torque; None of a suit about itself, or without joints."""
+        """The verdict by the torque; None if `same`, or without joints."""
         return None if self.same else self.torque.verdict
 
     def to_dict(self) -> dict[str, Any]:
@@ -70,11 +71,12 @@ class Validation:
 
 
 def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
-    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is."""
+    """Returns the policy with the option `suit`; a policy without this option is unchanged."""
     spec = policy_spec(policy)
     if "suit" in spec.options:
         raise InputError(
-            f"the policy {str(spec)!r} has a suit: leave that out, as the believed suits are given"
+            f"the policy {str(spec)!r} has the option suit: leave the option out, since validate "
+            "sets the believed suit"
         )
     if "suit" not in PolicyKind.of(spec.name).options:
         return spec
@@ -84,7 +86,7 @@ def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
 def believed_joints(
     env_id: str, believed: Mapping[str, AnySuit], policy: AnyPolicy, **env_options: Any
 ) -> dict[str, dict[str, SuitJoint]]:
-    """Returns the assisted joints that each believed suit and the true one resist, as believed."""
+    """Returns the believed joints of each suit that are assisted and that the true suit has too."""
     arms = make_arms(env_id, 1, **{**env_options, **needed_options(policy)})
     config, found = arms.episodes.simulation.config, {}
     needed = [joint for joint in ASSISTED if joint in resisting_joints(config)]
@@ -94,8 +96,8 @@ def believed_joints(
         found[name] = {joint: joints[joint] for joint in needed if joint in joints}
         if needed and not found[name]:
             raise InputError(
-                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the true "
-                "suit does: give one with a model of an assisted joint"
+                f"the believed suit {name!r} has no model of {' or '.join(needed)}, which the true "
+                "suit has: give a suit with a model of an assisted joint"
             )
     arms.close()
     return found
@@ -103,26 +105,17 @@ def believed_joints(
 
 @dataclass(frozen=True, kw_only=True)
 class SuitValidation:
-    """Result of `validate`: what believed suits are worth, each where each plant is simulated.
-
-    Arguments of `validate` stand first.
-
-    Attributes:
-        believed: Believed suits, by name.
-        plants: Simulated suits, by name.
-        cells: Validations, by the names of the believed and of the simulated suit.
-        evaluations: Evaluations of all policies, by the name of the simulated suit.
-    """
+    """Result of `validate`, whose arguments are the first attributes."""
 
     env_id: str
     policy: str
     motions: int
     seed: int
     options: Mapping[str, Any]
-    believed: Mapping[str, AnySuit]
-    plants: Mapping[str, AnySuit]
-    cells: Mapping[tuple[str, str], Validation]
-    evaluations: Mapping[str, Evaluation]
+    believed: Mapping[str, AnySuit]  # by name
+    plants: Mapping[str, AnySuit]  # simulated suits, by name
+    cells: Mapping[tuple[str, str], Validation]  # by the names of believed and simulated suit
+    evaluations: Mapping[str, Evaluation]  # of all policies, by the name of the simulated suit
 
     @property
     def place(self) -> str:
@@ -131,7 +124,7 @@ class SuitValidation:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What was simulated, as plain values."""
+        """Options of the simulation and limits of the verdict, as plain values."""
         found = {"env": self.env_id, "policy": self.policy, "motions": self.motions}
         return found | {"seed": self.seed, **self.options, "limits": LIMITS}
 
@@ -158,7 +151,7 @@ class SuitValidation:
 
     @property
     def _matrix(self) -> Rows:
-        """One row per believed suit and one column per true one."""
+        """Rows of believed suits and columns of true suits."""
         labels = names_of(chain(*self.cells))
         rows = [
             [labels[one], *(_cell(self.cells[one, other]) for other in self.plants)]
@@ -167,7 +160,7 @@ class SuitValidation:
         return ["believes", *(f"wears\n{labels[other]}" for other in self.plants)], rows
 
     def sentences(self) -> list[str]:
-        """Returns verdict, relief and limits, the most important first."""
+        """Returns sentences about verdict, relief and limits, the most important first."""
         rule = [RULE] * any(one.verdict for one in self.cells.values())
         if len(self.cells) > 1:
             return [covered_by(self.cells.values()), *rule]
@@ -177,7 +170,7 @@ class SuitValidation:
         if found.same and drawn:
             said = answer(found, suit, believed, self.policy, evaluation)
         else:
-            said = story(found, suit, believed)
+            said = validation_story(found, suit, believed)
         scores = [*evaluation.scores.values()]
         lacks = lacking(suit, believed, true, load_suit(self.plants[true]))
         return [*said, *lacks, *why_remarks(scores), *cuff_remarks(scores), *rule]
@@ -225,26 +218,22 @@ def validate(
     on_step: Callable[[int, int], None] | None = None,
     **env_options: Any,
 ) -> SuitValidation:
-    """Validates suits in closed loop: a controller believes one, and the arm wears another.
+    """Validates suits in closed loop: a controller believes a suit, and the arm wears another suit.
 
-    The error of the believed torque along the motions decides the verdict; relief stands beside
-    that by the same controller with the true model.
+    The error of the believed torque along the motions decides the verdict; the relief is compared
+    with the relief of the same controller with the true model.
 
     Args:
         env_id: Id of a registered environment.
-        suits: Believed suits: names of shipped ones and paths of files, or suits by your names.
-        plants: Simulated suits likewise; by default the one believed suit with its samples, which
-            its curves allow too.
-        policy: Policy with its options, which believes a suit if it takes the option `suit`.
+        suits: Believed suits: names of shipped suits and paths of files, or suits by your names.
+        plants: Simulated suits, given in the same way; by default the one believed suit and its
+            samples, which are models that its curves allow too.
+        policy: Policy with its options; the policy believes a suit if it has the option `suit`.
         samples: Whether each motion draws the suit among the model and the samples of the plant.
         motions: Number of motions, at least 8.
         seed: Seed of the first motion.
-        on_step: Function that gets the number of finished motions, and that of all.
+        on_step: Function of the number of finished motions and the number of all motions.
         **env_options: Other options of the environment; gravity is "microgravity" by default.
-
-    Raises:
-        InputError: A suit resists none of the assisted joints that the true one resists, or has no
-            samples that are asked for, or `evaluate` raises it.
     """
     believed = _named_suits(suits, "suits")
     if not plants:
@@ -301,9 +290,9 @@ def validate(
 
 
 def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[str, AnySuit]:
-    """Returns suits by name; those that cannot be read are refused."""
+    """Returns suits by name, and checks that each can be read."""
     if not given:
-        raise InputError(f"{of} has no suit: name one that the controller believes")
+        raise InputError(f"{of} has no suit: name at least one")
     if not isinstance(given, Mapping):
         once(of, given)
         given = dict(zip(given, given, strict=True))
@@ -313,21 +302,21 @@ def _named_suits(given: Sequence[str] | Mapping[str, AnySuit], of: str) -> dict[
 
 
 def _itself(believed: Mapping[str, AnySuit]) -> Mapping[str, AnySuit]:
-    """Returns the one suit whose samples are the true ones."""
+    """Returns the one believed suit, after a check of its samples."""
     if len(believed) != 1:
-        raise InputError(f"{len(believed)} suits are given and no plant: name the simulated suit")
+        raise InputError(f"{len(believed)} suits are given and no plant: name simulated suits")
     ((name, given),) = believed.items()
     joints = load_suit(given).joints
     if not any(joints[one].samples for one in ASSISTED if one in joints):
         raise InputError(
-            f"the suit {name!r} has no samples of what its curves allow: identify it again with "
-            "samples (--samples 20), or name the simulated suit (--plant)"
+            f"the suit {name!r} has no samples: identify the suit again with samples "
+            "(--samples 20), or name the simulated suit (--plant)"
         )
     return believed
 
 
 def torque_table(found: Validation) -> Rows:
-    """Returns one row per joint, and one of all: the errors of the believed torque."""
+    """Returns the errors of the believed torque: a row per joint, and a row of all joints."""
     header = ["joint", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]", "late by\n[ms]"]
     header += ["RMS of the\npeak [%]", "over fit\nnoise"]
     rows = []
@@ -348,7 +337,7 @@ def _errors(error: TorqueError) -> Iterator[str]:
 
 
 def names_of(suits: Iterable[str]) -> dict[str, str]:
-    """Returns short names of suits: of a file without its folder, where that is enough."""
+    """Returns short names of suits: file names without folder and ending, where these differ."""
     suits = list(dict.fromkeys(suits))
     short = [Path(suit).stem if suit.endswith(".json") else suit for suit in suits]
     pairs = zip(suits, short, strict=True)

@@ -1,7 +1,7 @@
 """The verdict on a believed suit, valid, usable or not valid, by its torque along real motions.
 
-The verdict is by torque and not by relief, because motors and wearer blur the relief: a torque that
-is 20 % too large everywhere still gives back 93 % of what the true model does.
+The verdict is by torque and not by relief, since relief depends little on the torque: a torque that
+is 20 % too large everywhere still has 93 % of the relief of the true model.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,9 +21,9 @@ LIMITS = {"valid": 0.05, "usable": 0.15}
 """Largest NRMSE of the torque for each verdict.
 
 A torque that is 20 % wrong everywhere has an NRMSE of 0.10, since the torque is mostly below its
-peak. So a valid model errs about as much as one that is 10 % wrong everywhere, and a usable one as
-one that is 30 % wrong. The straight spring through the middle of a loop has 0.22 to 0.28: a model
-without hysteresis is not valid.
+peak. So the limit of a valid model is an error of about 10 % everywhere, the limit of a usable
+model about 30 %. The straight spring through the middle of a loop has an NRMSE of 0.22 to 0.28: a
+model without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
 RULE = (
@@ -33,8 +33,8 @@ RULE = (
     + f", {NOT_VALID} beyond; and it holds for these angles only."
 )
 LEAST_TORQUE = 0.01  # [N·m], least resistance of a joint that is judged
-FARTHEST = 0.2  # [s], greatest lag that is sought
-FINEST = 0.001  # s, its resolution
+FARTHEST = 0.2  # [s], greatest lag that can be found
+FINEST = 0.001  # [s], resolution of the lag
 
 
 def verdict(nrmse: float) -> str:
@@ -46,16 +46,15 @@ def verdict(nrmse: float) -> str:
 class TorqueError:
     """Believed less true resistance along motions, with intervals over the motions.
 
-    Errors of several joints are taken together: the root mean square and the mean over all of them,
-    and the largest of any.
+    Root mean square and mean are over all joints, and the peak is the largest of all joints.
 
     Attributes:
         rms: Root mean square [N·m].
-        peak: Largest size in a motion, the mean over motions [N·m].
+        peak: Largest absolute error in a motion, mean over motions [N·m].
         bias: Mean [N·m].
-        lag: Time by which the believed torque comes later than the true one [ms]; see `lag_of`.
-        nrmse: Root mean square, each joint's over the largest true torque in all motions, which is
-            taken as given.
+        lag: Time by which the believed torque comes later than the true torque [ms]; see `lag_of`.
+        nrmse: Root mean square of each joint's error over its largest true torque in all motions;
+            the interval treats the largest torque as exact.
     """
 
     rms: Interval
@@ -70,11 +69,11 @@ class TorqueErrors:
     """Torque errors of a believed suit along motions, and the verdict.
 
     Attributes:
-        joints: Torque error of each joint that is judged: an assisted one that both suits resist.
-        together: Torque error of these joints together; None without any.
+        joints: Torque error of each assisted joint that both suits have.
+        together: Torque error of these joints together; None without such joints.
         covered: Lowest and highest angle of the motions [rad], by joint.
-        noise: Root mean square of what the fit of the believed joint left of its curves [N·m], by
-            joint; None where the suit file does not tell it.
+        noise: Root mean square residual of the fit of the believed joint [N·m], by joint; None
+            where the suit file has no residual.
     """
 
     joints: dict[str, TorqueError]
@@ -84,7 +83,7 @@ class TorqueErrors:
 
     @property
     def nrmse(self) -> Interval | None:
-        """NRMSE of the worst joint (highest upper limit), which sets the verdict; None if none."""
+        """NRMSE of the joint with the highest upper end, which sets the verdict; None if none."""
         found = [error.nrmse for error in self.joints.values()]
         return max(found, key=lambda one: one.high, default=None)
 
@@ -95,10 +94,10 @@ class TorqueErrors:
 
 
 def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) -> TorqueErrors:
-    """Compares believed joints, by their names, with the true torque along at least 8 motions.
+    """Compares believed joints, by name, with the true torque along at least 8 motions.
 
-    The models follow the true angles of each control period, from the beginning of their memory.
-    A motion that meets the pole of an uncertified model is a `PoleError`.
+    The models follow the true angles of each control period, from the initial state of their
+    memory. A motion through the pole of an uncertified model raises `PoleError`.
     """
     expected: dict[str, list[Array]] = {}
     true: dict[str, list[Array]] = {}
@@ -128,13 +127,7 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
 
 
 def torque_error(believed: Sequence[Array], true: Sequence[Array], dt: float) -> TorqueError:
-    """Compares believed with true torque in at least 8 motions.
-
-    Args:
-        believed: Believed resistance in each motion [N·m], shape (n, joints).
-        true: True resistance [N·m], of the same shapes.
-        dt: Time between samples [s].
-    """
+    """Compares believed with true resistance [N·m], shape (n, joints), in at least 8 motions."""
     largest = np.max([np.abs(one).max(axis=0) for one in true], axis=0)
     pairs = list(zip(believed, true, strict=True))
     apart = [one - other for one, other in pairs]
@@ -154,15 +147,10 @@ def _root_interval(squares: Sequence[float]) -> Interval:
 
 
 def lag_of(late: Array, early: Array, dt: float) -> float:
-    """Returns the time by which one record comes later than another [s].
+    """Returns the time by which the record `late` comes later than `early` [s], (n, columns) each.
 
-    That is the shift, to 1 ms and up to 0.2 s, with which the two correlate best over the middle of
-    the record; 0 where one of them is constant there.
-
-    Args:
-        late: One record, shape (n, columns); the correlations of the columns are summed.
-        early: The other one, of the same shape.
-        dt: Time between samples [s].
+    The time is the shift, in steps of 1 ms up to 0.2 s, with the greatest sum of correlations of
+    the columns over the middle of the records; 0 where a record is constant there.
     """
     time = dt * np.arange(len(late))
     farthest = min(FARTHEST, time[-1] / 4)
@@ -179,10 +167,10 @@ def lag_of(late: Array, early: Array, dt: float) -> float:
 
 
 def noise_of(joint: SuitJoint) -> float | None:
-    """Returns the root mean square of what a fit left of its curves [N·m]; None if it is not known.
+    """Returns the root mean square residual of a joint's fit [N·m]; None if it is not known.
 
-    The file has it over the largest torque of the curves, which is taken to be that of the model
-    along one loading and unloading over its range.
+    The suit file has the residual over the largest torque of the curves, for which the largest
+    torque of the model along one loading and unloading over its range is taken.
     """
     if joint.fit_nrmse is None:
         return None
@@ -193,24 +181,19 @@ def noise_of(joint: SuitJoint) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class CurveError:
-    """Predicted less measured torque of one curve: root mean square, largest size and mean [N·m].
-
-    `nrmse` is the root mean square over the largest measured torque of the curve.
-    """
+    """Predicted less measured torque of one curve."""
 
     curve: str
-    rms: float
-    peak: float
-    bias: float
-    nrmse: float
+    rms: float  # root mean square [N·m]
+    peak: float  # largest absolute error [N·m]
+    bias: float  # mean [N·m]
+    nrmse: float  # root mean square over the largest measured torque of the curve
 
 
 def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) -> list[CurveError]:
-    """Compares a joint with curves that were measured, each from the beginning of its memory.
+    """Compares a joint with measured curves, each from the initial state of the joint's memory.
 
-    Args:
-        joint: Joint of a believed suit.
-        curves: Angles [rad] and measured torques [N·m] of each curve, by its name.
+    Curves are angles [rad] and measured torques [N·m], by name.
     """
     found = []
     for name, (angle, torque) in curves.items():
@@ -225,7 +208,7 @@ def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) ->
 
 @dataclass(frozen=True, kw_only=True)
 class CurvePrediction:
-    """Errors of suits on each measured curve, by suit and joint; `notes` are curves of no use."""
+    """Errors of suits on each measured curve, by suit and joint; `notes` name unused curves."""
 
     errors: Mapping[str, Mapping[str, list[CurveError]]]
     notes: Sequence[str] = ()

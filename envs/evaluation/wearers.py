@@ -1,8 +1,8 @@
-"""The adapted wearer, who has repeated a motion until nothing is left to learn.
+"""The adapted wearer, who has repeated a motion until learning has converged.
 
-Learning ends where u = (forgetting · own + rate · torque) / (forgetting + rate), with the torque
-that the motion takes under the policy. That torque is read from rollouts of an arm which stiff
-hands lead along the intention. Two are enough: the second one starts from what the first one found.
+Learning converges to u = (forgetting · own + rate · torque) / (forgetting + rate), with the torque
+that the motion takes under the policy. This torque is measured in rollouts of an arm which stiff
+hands guide along the intention. Two rollouts are enough: the second starts from the first's result.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,29 +23,24 @@ from .rollout import Trace, rollout
 from .scores import root_mean_square
 
 ROLLOUTS = 2
-UNSURE = 0.25  # s, time by which an error may come earlier or later in the next motion
+UNSURE = 0.25  # [s], time by which an error may come earlier or later in the next motion
 STIFFENINGS = 2  # greatest number of rollouts from which co-contraction is learned
-CHANGE = 0.01  # share of strength; a root mean square change of co-contraction that counts
+CHANGE = 0.01  # [share of strength], least root mean square change of co-contraction
 TORQUE, CONTRACTION = "learned_torque", "learned_contraction"
-SMOOTHING = 2  # control periods, by which torque is smoothed: nobody learns faster changes
-SHARE = RATE / (RATE + FORGETTING)  # share of a load that is learned in the end
+SMOOTHING = 2  # [control periods], width of smoothing: a person learns no faster changes
+SHARE = RATE / (RATE + FORGETTING)  # share of a load in converged learning
 
 
 class ArmLost(InputError):
-    """A policy ends an episode although the arm is guided, so that no wearer can adapt."""
+    """Error: a policy ends an episode although the arm is guided, so that no wearer can adapt."""
 
 
 class Wearers:
     """Wearers of one kind of arm in three states: unadapted, guided by stiff hands, and adapted.
 
-    Args:
-        env_id: Id of a registered environment.
-        rows: Number of motions.
-        **options: Options of the environment.
-
     Attributes:
-        arms: Rows of arms that take learned torques; policies are made for them.
-        unlearning: Options of arms whose wearers learn nothing in an episode, as those of `arms`.
+        arms: Rows of arms that take learned torques; policies are made for these arms.
+        unlearning: Options of `arms` with which wearers learn nothing in an episode.
     """
 
     def __init__(self, env_id: str, rows: int, **options: Any) -> None:
@@ -61,23 +56,20 @@ class Wearers:
         self._guided = make_arms(env_id, rows, **options, control=calm, learned_torque=True)
 
     def unadapted(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
-        """Returns the motions of wearers who foresee nothing but their own arm."""
+        """Returns the motions of wearers who have learned only the torques of their own arm."""
         return rollout(self.arms, policy, seeds)
 
     def adapted(self, make: Callable[[], Policy], seeds: Sequence[int]) -> list[Trace]:
-        """Returns the motions of wearers who have learned them under the policy; or `ArmLost`.
+        """Returns motions of wearers who have learned these under the policy; raises `ArmLost`.
 
-        Args:
-            make: Function that makes the policy anew, for each rollout: only the wearers learn the
-                motions, the policy meets each for the first time.
-            seeds: Seed of each motion.
+        `make` makes a new policy for each rollout: only the wearers learn, not the policy.
         """
         return self.learn(make, seeds)[1]
 
     def learn(
         self, make: Callable[[], Policy], seeds: Sequence[int]
     ) -> tuple[dict[str, Array], list[Trace]]:
-        """Returns what adapted wearers have learned, for `rollout`, and their motions."""
+        """Returns the learned torques of adapted wearers, for `rollout`, and their motions."""
         learned = {TORQUE: self.learned_torque(make, seeds)}
         contraction = np.zeros_like(learned[TORQUE])
         strength = self.arms.episodes.simulation.state.muscles.strength.min(axis=1)[:, None]
@@ -93,9 +85,9 @@ class Wearers:
     def learned_torque(
         self, make: Callable[[], Policy], seeds: Sequence[int], *, rollouts: int = ROLLOUTS
     ) -> Array:
-        """Returns what wearers learn of the net load under a policy in guided rollouts [N·m].
+        """Returns the torque that wearers learn in guided rollouts under a policy [N·m].
 
-        This is the torque beside that of the bare arm, shape (rows, samples, 4).
+        The torque is that beyond the bare arm's torque, shape (rows, samples, 4).
         """
         torque = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
@@ -106,27 +98,26 @@ class Wearers:
         return torque
 
     def guided(self, policy: Policy, seeds: Sequence[int], torque: Array) -> list[Trace]:
-        """Returns the motions of arms that stiff hands lead along the intention; or `ArmLost`."""
+        """Returns the motions of arms that stiff hands guide; raises `ArmLost`."""
         traces = rollout(self._guided, policy, seeds, learned={TORQUE: torque})
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
                 raise ArmLost(
-                    f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) even where "
-                    "it is guided along the motion, so that no wearer can adapt: use "
-                    "adapted=False, or mend the policy"
+                    f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) although "
+                    "the arm is guided along the motion, so that no wearer can adapt: use "
+                    "adapted=False, or repair the policy"
                 )
         return traces
 
     def contraction(self, traces: Sequence[Trace], before: Array) -> Array:
-        """Returns the co-contraction that balances stiffening and relaxing, beyond the usual one.
+        """Returns the co-contraction at which stiffening and relaxing balance [N·m].
 
-        The torques [N·m] have the shape (rows, samples, 4); `before` are those of these motions.
-
-        Nobody knows when a slip comes: what counts is the largest error within a quarter of a
-        second. The error is taken to be in inverse proportion to stiffness, and the stiffness that
-        of rest. With gain = strength · stiffening / relaxing the balance c = gain · max(0, |e| K /
-        (K0 + K1 c) - tolerated) is then a quadratic equation. Here K is the stiffness in these
-        motions, and K0 the usual one.
+        Co-contractions, beyond the usual one, have the shape (rows, samples, 4); `before` are those
+        of the motions. The largest error within a quarter of a second counts, since a wearer cannot
+        foresee the time of an error. The error is assumed to be in inverse proportion to stiffness
+        at rest. With gain = strength · stiffening / relaxing the balance c = gain · max(0, |e| K /
+        (K0 + K1 c) - tolerated) is then a quadratic equation, with the stiffness K of the motions
+        and the usual stiffness K0.
         """
         from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
 
@@ -153,10 +144,10 @@ class Wearers:
 
 
 def smoothed(series: Sequence[Array], samples: int) -> Array:
-    """Returns series of all control periods, shape (periods, size) each, smoothed over time.
+    """Returns smoothed series of all control periods, shape (periods, size) each.
 
-    They begin a sample earlier, and have the number of samples of the intention: the last value of
-    a shorter episode stays.
+    The series get one more sample at the beginning, and the last value of a shorter episode is
+    repeated, up to the number of samples of the intention.
     """
     from scipy.ndimage import gaussian_filter1d  # slow to import
 

@@ -1,13 +1,13 @@
 """Muscles along one motion: which activations give the wearer's torque, under a convention.
 
-What a study says about muscles depends on choices that no measurement of a suit settles. Each is a
-convention here, and scores come with the range over them:
+The results of a study of muscles depend on choices that no measurement of a suit settles. Each
+choice is a convention here, and scores come with their range over all conventions:
 
-- `standard`: active forces give the wearer's torque and what inverse dynamics asks for about the
+- `standard`: active forces give the wearer's torque and the torque of inverse dynamics about the
   other three axes; the muscles that pull against each joint's torque give at least the
   co-contraction of the wearer's model;
 - `relaxed`: the same without co-contraction;
-- `rotation free`: nothing is asked for about the shoulder's third axis;
+- `rotation free`: the torque about the shoulder's third axis is free;
 - `passive forces`: the muscles' passive forces replace the elasticity of our joints;
 - `least activation`: no muscle is below 1 %;
 - `cubes`, `volume`: the sum of a³, or of a times the muscle's volume, is least instead of that
@@ -33,29 +33,20 @@ from .myoarm import Geometry, MyoArm
 from .sharing import Cost, share
 
 SOFTNESS = 0.01  # [N²·m²], see `Cost`
-LINEAR = 0.05  # coefficient of a² beside that of a times volume, and of a² beside that of a³
+LINEAR = 0.05  # coefficient of a² where the cost is volume or a³
 ALIKE = 1e-6  # relative difference of strengths that counts as none
 
 
 @dataclass(frozen=True, kw_only=True)
 class Convention:
-    """Choices in sharing torque among muscles.
+    """Choices in sharing torque among muscles."""
 
-    Attributes:
-        cost: What is least: "squares", "cubes" or "volume".
-        contraction: Whether antagonists contract as the wearer's model says.
-        third: Whether inverse dynamics sets the torque about the shoulder's third axis.
-        passive: Whether the muscles' passive forces replace the elasticity of our joints.
-        least: Least activation of all muscles.
-        metabolic: Model of metabolic power.
-    """
-
-    cost: str = "squares"
-    contraction: bool = True
-    third: bool = True
-    passive: bool = False
-    least: float = 0.0
-    metabolic: str = "Umberger 2010"
+    cost: str = "squares"  # the cost that is minimized: "squares", "cubes" or "volume"
+    contraction: bool = True  # whether antagonists contract as the wearer's model says
+    third: bool = True  # whether inverse dynamics sets the torque about the shoulder's third axis
+    passive: bool = False  # whether passive forces of muscles replace the elasticity of our joints
+    least: float = 0.0  # least activation of all muscles
+    metabolic: str = "Umberger 2010"  # model of metabolic power
 
 
 CONVENTIONS: dict[str, Convention] = {
@@ -72,34 +63,23 @@ CONVENTIONS: dict[str, Convention] = {
 
 
 class Demand(NamedTuple):
-    """What a motion asks of the wearer's muscles.
+    """The torques that a motion demands of the wearer's muscles."""
 
-    Attributes:
-        scale: Strength of the wearer over that of the average man.
-        torque: The wearer's torque, and that of inverse dynamics about the other axes [N·m], shape
-            (samples, 7).
-        elastic: Torque of the relaxed joints of our arm [N·m], shape (samples, 4).
-        contraction: Torque with which the muscles of each joint oppose each other [N·m], shape
-            (samples, 4).
-        geometry: The muscles of the average man along the motion.
-        dt: Time between samples [s].
-    """
-
-    scale: float
-    torque: Array
-    elastic: Array
-    contraction: Array
-    geometry: Geometry
-    dt: float
+    scale: float  # strength of the wearer over that of the average man
+    torque: Array  # the wearer's, and inverse dynamics' about the other axes [N·m], (samples, 7)
+    elastic: Array  # torque of the relaxed joints of our arm [N·m], (samples, 4)
+    contraction: Array  # torque of the antagonists of each joint [N·m], (samples, 4)
+    geometry: Geometry  # the muscles of the average man along the motion
+    dt: float  # time between samples [s]
 
     def last(self) -> "Demand":
-        """Returns what the last sample asks."""
+        """Returns the demand of the last sample."""
         series = {name: getattr(self, name)[-1:] for name in ("torque", "elastic", "contraction")}
         return self._replace(**series, geometry=Geometry(*(one[-1:] for one in self.geometry)))
 
 
 class Moments(NamedTuple):
-    """Some moments of a motion, with the series of a `Trace` that muscles need."""
+    """Successive samples of a motion, with the series of a `Trace` that muscles need."""
 
     time: Array
     angle: Array
@@ -112,21 +92,15 @@ class Moments(NamedTuple):
 
 
 class Shared(NamedTuple):
-    """The muscles of one motion under one convention.
+    """The muscles of one motion under one convention."""
 
-    Attributes:
-        activation: Activations, shape (samples, muscles).
-        power: Metabolic power of each muscle [W], shape (samples, muscles).
-        reserve: Torque that muscles do not give [N·m], shape (samples, axes).
-    """
-
-    activation: Array
-    power: Array
-    reserve: Array
+    activation: Array  # shape (samples, muscles)
+    power: Array  # metabolic power of each muscle [W], shape (samples, muscles)
+    reserve: Array  # torque that the muscles cannot give [N·m], shape (samples, axes)
 
 
 def check_wearer(simulation: Simulation) -> None:
-    """Checks, before anything moves, that muscles can give the wearer's torque."""
+    """Checks, before the simulation starts, that muscles can give the wearer's torque."""
     MyoArm.load()
     if simulation.fatigue:
         raise InputError(
@@ -136,7 +110,7 @@ def check_wearer(simulation: Simulation) -> None:
 
 
 def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Demand:
-    """Returns what a motion, or some moments of one, asks of the wearer's muscles."""
+    """Returns the torques that a motion, or a part of a motion, demands of the muscles."""
     if len(trace.time) < 3:
         raise InputError(
             f"a motion has {len(trace.time)} samples: muscles need 3 or more, for accelerations"
@@ -146,8 +120,8 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
     if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():
         raise InputError(
             f"the strength of this wearer is from {ratio.min():.2f} to {ratio.max():.2f} of the "
-            "average man's, joint by joint and over time, and MyoArm is scaled by one factor: "
-            "leave fatigue out"
+            "average man's over joints and time, and MyoArm is scaled by one factor: leave "
+            "fatigue out"
         )
     scale = float(ratio.mean())
     pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)
@@ -171,11 +145,8 @@ def share_among_muscles(
 ) -> Shared:
     """Returns activations, metabolic power and reserve torques of a motion.
 
-    Args:
-        arm: The muscles of the average man.
-        demand: What the motion asks of the muscles.
-        convention: Choices in sharing the torque.
-        before: Activations a period before the motion, shape (muscles,); by default any.
+    `before` are the activations one period before the motion, shape (muscles,); without `before`
+    the motion may begin with any activations.
     """
     geometry = demand.geometry
     wanted = demand.torque / demand.scale
@@ -198,13 +169,13 @@ def share_among_muscles(
 
 
 def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
-    """Returns the activations of a motion, shape (samples, muscles), as `MyoArm.muscles` orders."""
+    """Returns the activations of a motion, shape (samples, muscles), in `MyoArm.muscles`' order."""
     arm = MyoArm.load()
     return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[convention]).activation
 
 
 def _cost(name: str, arm: MyoArm) -> Cost:
-    """Returns what is least; beside cube or volume a small square makes the answer unique."""
+    """Returns the cost of a name; a small square makes the minimum of the other costs unique."""
     mass = muscle_masses(arm)
     linear = mass / mass.mean() * (name == "volume")
     square, cubic = (1.0, 0.0) if name == "squares" else (LINEAR, float(name == "cubes"))

@@ -1,4 +1,4 @@
-"""What an arm shows of its muscles while it moves: MyoArm beside it, colored by activation."""
+"""The muscles of an arm that moves: MyoArm is drawn beside the arm, colored by activation."""
 
 from collections import deque
 from itertools import pairwise
@@ -22,7 +22,7 @@ WIDTH = 0.0055  # [m], of a muscle at rest
 SWELLING = 0.006  # [m], by which a fully active one is thicker
 MOMENTS = 3  # fewest control periods that accelerations need
 FORWARD_OUTWARD_UP = [0, 2, 1]  # columns of `MyoArm.trunk`
-BESIDE = np.array([0.0, 0.55, 0.0])  # [m], place of its shoulder from the wearer's
+BESIDE = np.array([0.0, 0.55, 0.0])  # [m], MyoArm's shoulder from the wearer's shoulder
 BONE, BONE_COLOR = 0.011, np.array([0.9, 0.87, 0.78, 1.0])  # [m], radius
 SHOULDER, ELBOW = (JOINTS.index(name) for name in ("shoulder_flexion", "elbow_flexion"))
 PULLEY = -2  # `wrap_obj` where the path of a tendon is interrupted
@@ -34,16 +34,16 @@ def color_of(active: ArrayLike) -> Array:
 
 
 def width_of(active: ArrayLike) -> Array:
-    """Returns how thick muscles are drawn [m]: the radius of each."""
+    """Returns the radius with which each muscle is drawn [m]."""
     return WIDTH + SWELLING * np.asarray(active)
 
 
 class LiveMuscles:
     """MyoArm's muscles on the first arm of a simulation.
 
-    Call it in each control period, since activation cannot change at once. The acceleration is
-    that of the last two periods. MyoArm stands outward of the wearer's arm, in its posture, with an
-    upper arm as long as the wearer's.
+    Call the object in each control period, since activation cannot change at once. Accelerations
+    are those of the last two periods. MyoArm stands beside the wearer's arm, on the outer side, in
+    the same posture, with an upper arm as long as the wearer's.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -56,7 +56,7 @@ class LiveMuscles:
         self._activation: Array | None = None
 
     def __call__(self) -> list[Capsule]:
-        """Returns bones and muscles as they are now; nothing before the third control period."""
+        """Returns the present bones and muscles; nothing before the third control period."""
         activation = self.activation()
         if activation is None:
             return []
@@ -72,7 +72,7 @@ class LiveMuscles:
         return found
 
     def activation(self) -> Array | None:
-        """Returns the activations of now, shape (muscles,); None before the third period."""
+        """Returns the present activations, shape (muscles,); None before the third period."""
         now = self._simulation.state.sensors.measured[0].copy()
         if now[TIME] == 0:
             self._rows.clear()

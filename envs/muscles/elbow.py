@@ -3,9 +3,9 @@
 MyoArm's upper arm hangs, its forearm is in the middle of its rotation, and its fingers are locked;
 only the elbow turns. The wearer is computed muscle control (Thelen, Anderson and Delp 2003): in
 each control period the acceleration that leads back to the intention is turned into torque, the
-torque into activations of least sum of squares, and these into excitations. Antagonists give the
-co-contraction that is asked for, and the muscles' own force-length-velocity curves are all the
-stiffness and damping that act at once: feedback comes late.
+torque into activations of least sum of squares, and the activations into excitations. Antagonists
+give the co-contraction `contraction`. Stiffness and damping that act without delay come from the
+muscles' force-length-velocity curves alone, since feedback acts late.
 """
 
 from collections import deque
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS, load_suit
-from ...checks import flag, number, within
+from ...checks import number, within
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine import attach
 from ..model.config import GRAVITY, NO_SUIT, place_of
@@ -31,10 +31,10 @@ from .sharing import Cost, share
 
 JOINT, OURS = "elbow_flexion_r", "elbow_flexion"
 DT, SUBSTEPS = 0.01, 5
-PEAK = 25.0  # N·m, of the motor, as that of the arm's elbow
-MOTOR_LAG = 1 / (2 * np.pi * 10)  # [s], of its torque, as there
+PEAK = 25.0  # [N·m], peak torque of the motor, as of the elbow motor of `envs.model`
+MOTOR_LAG = 1 / (2 * np.pi * 10)  # [s], lag of the motor, as in `envs.model`
 STIFFNESS, DAMPING = 25.0, 10.0  # [1/s², 1/s], feedback of the wearer on acceleration; assumed
-LATE = 5  # control periods until it acts: 50 ms, as a reflex through the cortex; assumed
+LATE = 5  # [control periods], delay of feedback: 50 ms, as a reflex through the cortex; assumed
 MOST_CONTRACTION = 15.0  # N·m
 USUAL_CONTRACTION = 3.0  # N·m, as that of the wearer's model
 SOFTNESS = 1e-4  # N²·m²
@@ -43,7 +43,7 @@ EFFORT, ERROR, CHANGE = 0.1, 0.1, 0.25  # activation, rad, share of the peak: a 
 
 
 class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
-    """An elbow that muscles move in a suit, with a motor beside it.
+    """An elbow that muscles move in a suit, with a motor.
 
     The action is the motor's torque over its peak of 25 N·m, shape (1,). The observation has angle
     [rad], rate [rad/s], the motor's torque over its peak and the last action, shape (4,). The
@@ -53,9 +53,8 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     Args:
         suit: Name of a suit or path of a suit file, or "none".
-        gravity: Place, whose gravity acts.
-        contraction: Torque that the antagonists give at least [N·m], 0 to 15.
-        knows_suit: Whether the wearer has learned what suit and motor do, as adapted wearers have.
+        gravity: Name of the place whose gravity acts.
+        contraction: Least torque of the antagonists [N·m], 0 to 15.
         push: Torque of a push [N·m], for 0.1 s from 1 s on; 0 for none.
     """
 
@@ -67,16 +66,13 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         suit: str = "mock-suit",
         gravity: str = "earth",
         contraction: float = USUAL_CONTRACTION,
-        knows_suit: bool = True,
         push: float = 0.0,
     ) -> None:
         place = place_of("gravity", gravity)
         if place not in GRAVITY:
             raise unknown_name("gravity", gravity, GRAVITY)
         within("contraction", contraction, 0, MOST_CONTRACTION, " N·m")
-        flag("knows_suit", knows_suit)
-        self.contraction, self.knows_suit = contraction, knows_suit
-        self.push = number("push", push, "N·m")
+        self.contraction, self.push = contraction, number("push", push, "N·m")
         self.model = _elbow(suit, GRAVITY[place])
         self.data = mujoco.MjData(self.model)
         self.muscles = tuple(self.model.actuator(i).name for i in range(self.model.nu))
@@ -162,7 +158,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         """Returns the activations that lead to the intention, and the reserve torque [N·m]."""
         error, slip = self._seen[0]
         acceleration = now[2] + STIFFNESS * error + DAMPING * slip
-        known = self.data.qfrc_passive[0] + self._motor if self.knows_suit else 0.0
+        known = self.data.qfrc_passive[0] + self._motor  # the wearer has learned both
         torque = self.inertia * acceleration + self.data.qfrc_bias[0] - known
         arms, full, slack = self._arms(float(self.data.qpos[0]), moving=True)
         wanted = np.array([[torque - arms @ slack, self.contraction]])
@@ -172,7 +168,7 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         return activation[0], float(reserve[0, 0])
 
     def _excitation(self, activation: Array) -> Array:
-        """Returns excitations with which muscles have activations a period later, if they can."""
+        """Returns the excitations after which the muscles have given activations a period later."""
         now = self.data.act
         rate = 0.5 + 1.5 * now
         lag = np.where(activation > now, 0.01 * rate, 0.04 / rate)

@@ -1,19 +1,19 @@
-"""The posture of our arm in the joint angles of MyoArm, and the axes that both share.
+"""The posture of our arm in the joint angles of MyoArm, and the axes that both arms share.
 
 Vectors are forward, up and right of the trunk. Our shoulder turns by abduction, then by flexion,
 and the humerus does not turn about itself. MyoArm has a plane of elevation, an elevation in it, and
-a rotation of the humerus: the upper arm swings in the plane and turns about itself, and an
-orientation of ours has one answer in these angles in closed form. In the hanging arm the plane of
-elevation is not defined; elevations below `LEAST` are therefore raised to it.
+a rotation of the humerus: the upper arm swings in the plane and turns about itself, and each
+orientation of our arm follows in these angles in closed form. In the hanging arm the plane of
+elevation is not defined; elevations below `LEAST` are therefore set to `LEAST`.
 
-Muscles give torque about seven axes. The third is neither ours nor MyoArm's: it is perpendicular to
-our first two. Where the arm points forward the humerus lies on the axis of abduction, so that
-abduction and rotation of the humerus are one axis, and a torque about both says the same twice. The
-perpendicular axis says what is missing in every posture.
+Muscles give torque about seven axes. The third axis is perpendicular to our first two, and no joint
+axis of MyoArm. Where the arm points forward the humerus lies on the axis of abduction, so that
+abduction and rotation of the humerus are one axis, and torques about both are one number. The
+perpendicular axis completes the three torques in every posture.
 
-A hinge carries every moment across its axis. In a body muscles must give it, or bones and
-ligaments, or an exoskeleton. What the wearer's limb, the suit on it and the load at its hand put on
-these axes is the wearer's here; an exoskeleton carries the share of its own parts in its bearings.
+A hinge carries every moment across its axis. In a body muscles, bones and ligaments, or an
+exoskeleton must give this moment. The wearer gives the moments of the limb, of the suit on the limb
+and of the load in the hand; an exoskeleton carries the moments of its own parts in its bearings.
 Suit and motors act about our four axes only.
 """
 
@@ -46,19 +46,16 @@ def turn(axis: int, angle: Array) -> Array:
 
 
 def shoulder(angle: Array) -> Array:
-    """Returns plane of elevation, elevation and rotation [rad], shape (samples, 3).
-
-    They are those of our joint angles [rad], shape (samples, 4).
-    """
+    """Returns plane of elevation, elevation and rotation of our joint angles (samples, 4) [rad]."""
     hanging = np.hypot(angle[:, 0], angle[:, 1]) < LEAST
     flexion = np.where(hanging, LEAST, angle[:, 1])
     return decomposed(turn(0, -angle[:, 0]) @ turn(2, flexion))
 
 
 def decomposed(whole: Array) -> Array:
-    """Returns plane of elevation, elevation and rotation of upper arms [rad], shape (samples, 3).
+    """Returns plane of elevation, elevation and rotation of orientations (samples, 3, 3) [rad].
 
-    The orientations of upper arms, shape (samples, 3, 3), are 1 where they hang.
+    The orientation of a hanging upper arm is the identity.
     """
     along = -whole[:, :, 1]
     elevation = np.arctan2(np.hypot(along[:, 0], along[:, 2]), -along[:, 1])
@@ -69,14 +66,10 @@ def decomposed(whole: Array) -> Array:
 
 
 def shoulder_rates(angle: Array, theirs: Array) -> Array:
-    """Returns the rates of MyoArm's shoulder angles for a turning of 1 rad/s about each axis.
+    """Returns the rates of MyoArm's shoulder angles for a turn at 1 rad/s about each of our axes.
 
-    Args:
-        angle: Our joint angles [rad], shape (samples, 4).
-        theirs: The same posture from `shoulder` [rad], shape (samples, 3).
-
-    Returns:
-        The rates, shape (samples, 3, 3): angles of MyoArm, axes of `AXES`.
+    The posture is given as our angles [rad], shape (samples, 4), and as `shoulder` returns it. The
+    rates have the shape (samples, 3, 3): angles of MyoArm, axes of `AXES`.
     """
     axes = shoulder_axes(angle)
     plane, elevation, _ = theirs.T
@@ -96,17 +89,10 @@ def shoulder_axes(angle: Array) -> Array:
 def constraint_torques(
     chain: Chain, angle: Array, rate: Array, acceleration: Array
 ) -> tuple[Array, Array]:
-    """Returns what moves an arm along a motion, about all seven axes of `AXES`.
+    """Returns the torques that move an arm along a motion, about all seven axes of `AXES`.
 
-    Args:
-        chain: Links of one arm, dressed as it is.
-        angle: Joint angles [rad], shape (samples, 4).
-        rate: Joint rates [rad/s], the same shape.
-        acceleration: Joint accelerations [rad/s²], the same shape.
-
-    Returns:
-        torque: Torques [N·m], shape (samples, 7).
-        axes: The axes, forward, up and right, shape (samples, 7, 3).
+    Angles [rad], rates [rad/s] and accelerations [rad/s²] have the shape (samples, 4). Returned are
+    the torques [N·m], shape (samples, 7), and the axes (forward, up, right), (samples, 7, 3).
     """
     moment, links = _moments(_right(chain), angle, rate, acceleration)
     abduction, flexion, elbow, wrist = np.moveaxis(links[:, :, :, 0], 1, 0)
@@ -137,8 +123,8 @@ def _right(chain: Chain) -> Chain:
 def _moments(chain: Chain, angle: Array, rate: Array, acceleration: Array) -> tuple[Any, Any]:
     """Returns the moment at each joint, and axis and direction of the link below, in the torso.
 
-    Newton's and Euler's laws link by link, as `simulation.inverse_dynamics` has them in scalars for
-    the four axes of the joints alone.
+    The Newton-Euler equations link by link; `simulation.inverse_dynamics` has these in scalars for
+    the four joint axes alone.
     """
     links, samples = chain.links[0], len(angle)
     turning, spun = np.zeros((samples, 3)), np.zeros((samples, 3))

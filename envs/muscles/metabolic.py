@@ -1,9 +1,9 @@
 """Metabolic power of muscles: heat and work, after Umberger 2010 and Bhargava et al. 2004.
 
-Both add the heat of being active, the heat of shortening or lengthening, and mechanical work; no
-muscle has less heat than 1 W/kg, and what a muscle takes from the arm is no work given back. They
-differ in how heat depends on activation and speed. The papers themselves were not at hand: the
-equations and constants are those that OpenSim documents for its probes of both models
+Both add heat of activation and maintenance, heat of shortening or lengthening, and mechanical work.
+No muscle has less heat than 1 W/kg, and negative work gives nothing back. The models differ in how
+heat depends on activation and speed. The papers themselves were not at hand: equations and
+constants are those that OpenSim documents for its probes of both models
 (opensim-core, Apache-2.0: the headers of Umberger2010MuscleMetabolicsProbe and
 Bhargava2004MuscleMetabolicsProbe), with the options that its documentation names "as published":
 the share of slow fibres does not change with activation, negative work does not count, and
@@ -40,7 +40,7 @@ LEAST_HEAT = _ALL["least_heat"]
 def muscle_masses(arm: MyoArm) -> Array:
     """Returns the mass of each muscle of the average man [kg], shape (muscles,).
 
-    It is peak force over specific tension, times optimal length, times density.
+    The mass is peak force over specific tension, times optimal length, times density.
     """
     return arm.peak / _ALL["specific_tension"] * arm.optimal * _ALL["density"]
 
@@ -48,11 +48,10 @@ def muscle_masses(arm: MyoArm) -> Array:
 def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     """Returns the metabolic power of each muscle after Umberger (2010) [W].
 
-    Heat of activation and maintenance (25 + 128 fast) a^0.6 and heat of shortening in proportion to
-    a² and speed, or of lengthening to a and speed, per kilogram; both less where the fibres are
-    longer than optimal, and times 1.5 for aerobic work.
-
-    Activations and power have the shape (samples, muscles).
+    The heat per kilogram is (25 + 128 fast) a^0.6 of activation and maintenance, plus heat of
+    shortening in proportion to a² and speed, or heat of lengthening in proportion to a and speed.
+    All heats are less where the fibres are longer than optimal, and times 1.5 for aerobic work.
+    Activations a and power have the shape (samples, muscles).
     """
     fast, long, share = 1 - _SLOW, geometry.length > 1, geometry.isometric / arm.peak
     active = (_U["active"] + _U["active.fast"] * fast) * activation ** _U["active.exponent"]
@@ -70,11 +69,10 @@ def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
 def bhargava(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     """Returns the metabolic power of each muscle after Bhargava et al. (2004) [W].
 
-    Fibres are recruited in order: slow ones as sin(pi a / 2), fast ones as 1 - cos(pi a / 2). The
-    heat of shortening is 0.16 of the isometric force and 0.18 of the force, times speed. In
-    lengthening 0.157 of the work that the muscle takes in is heat that it does not make.
-
-    Activations and power have the shape (samples, muscles).
+    Slow fibres are recruited as sin(pi a / 2), fast fibres as 1 - cos(pi a / 2). The heat of
+    shortening is (0.16 isometric force + 0.18 force) speed. In lengthening the heat is less by
+    0.157 of the work that is done on the muscle.
+    Activations a and power have the shape (samples, muscles).
     """
     slow = _SLOW * np.sin(np.pi / 2 * activation)
     fast = (1 - _SLOW) * (1 - np.cos(np.pi / 2 * activation))

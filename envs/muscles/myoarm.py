@@ -1,10 +1,10 @@
 """MyoArm, the musculoskeletal arm of myo-sim, in our joint angles (needs the extra `muscles`).
 
-MyoArm (MyoSuite; after the arm of Saul et al. 2015) is the average man's arm. A wearer of another
-stature has all of its lengths times one factor, one of another strength all of its torques. Torque
-is force times moment arm, work force times speed, and muscle mass in proportion to force times
-length; with forces scaled by strength over stature, stature leaves torques, powers and masses as
-they are, and only strength counts.
+MyoArm (MyoSuite; after the arm of Saul et al. 2015) is the average man's arm. For a wearer of
+another stature all lengths are scaled by one factor; for a wearer of another strength all torques
+are. Torque is force times moment arm, power force times speed, and muscle mass in proportion to
+force times length. Forces scale with strength over stature, so that torques, powers and masses
+depend on strength alone.
 
 Lengths, moment arms and forces are MuJoCo's own: `mj_tendon` and `mj_fwdActuation` compute them.
 The shoulder girdle follows elevation, as the equalities of the model say.
@@ -59,26 +59,15 @@ TOLERANCE = 1e-6  # [rad], by which a posture may miss a range
 
 
 class Geometry(NamedTuple):
-    """The muscles along a motion of the average man.
+    """The muscles along a motion of the average man; shapes are (samples, muscles)."""
 
-    Attributes:
-        length: Length of the fibres over the optimal one, shape (samples, muscles).
-        speed: Rate of lengthening of the muscles [m/s], the same shape.
-        arms: Moment arms, positive where the muscle's torque is, shape (samples, axes, muscles)
-            [m].
-        full: Force at full activation [N], shape (samples, muscles).
-        isometric: The same of a muscle at rest [N].
-        passive: Force without activation [N].
-        outside: Whether a posture is outside a range of MyoArm, shape (samples,).
-    """
-
-    length: Array
-    speed: Array
-    arms: Array
-    full: Array
-    isometric: Array
-    passive: Array
-    outside: AnyArray
+    length: Array  # length of the fibres over the optimal length
+    speed: Array  # rate of lengthening [m/s]
+    arms: Array  # moment arms [m], with the sign of the torque, shape (samples, axes, muscles)
+    full: Array  # force at full activation [N]
+    isometric: Array  # force at full activation and speed 0 [N]
+    passive: Array  # force without activation [N]
+    outside: AnyArray  # whether a posture is outside a range of MyoArm, shape (samples,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +80,8 @@ class MyoArm:
         coupled: Angles of all joints per angle of `JOINTS`, shape (joints, 7).
         trunk: Forward, up and right of the shoulder in the frame of the chest, as columns, shape
             (3, 3): the axes of elevation and its plane, which are 4 degrees off the chest's.
-        signs: +1 where an axis of ours has the direction of MyoArm's, -1 where it has the opposite
-            one, shape (7,).
+        signs: +1 where our axis has the direction of MyoArm's axis, -1 where the directions are
+            opposite, shape (7,).
         optimal: Optimal length of the fibres [m], shape (muscles,).
         peak: Greatest isometric force [N], shape (muscles,).
         fastest: Greatest speed of shortening over optimal length [1/s], shape (muscles,).
@@ -126,7 +115,7 @@ class MyoArm:
         )
 
     def angles(self, angle: Array) -> Array:
-        """Returns MyoArm's angles [rad], shape (samples, 7), for ours, shape (samples, 4)."""
+        """Returns MyoArm's angles [rad], (samples, 7), of our joint angles [rad], (samples, 4)."""
         found = np.zeros((len(angle), len(JOINTS)))
         found[:, :3] = shoulder(angle)
         found[:, 3], found[:, 4], found[:, 5] = angle[:, 2], FOREARM, angle[:, 3]
@@ -152,9 +141,10 @@ class MyoArm:
         return Geometry(*numbers, outside=self._outside(theirs))
 
     def places(self, angle: Array) -> Array:
-        """Returns shoulder, elbow, wrist and knuckle, forward, up and right of the shoulder [m].
+        """Returns the positions of shoulder, elbow, wrist and knuckle at our joint angles [m].
 
-        The angles are ours [rad], shape (samples, 4), the places of the shape (samples, 4, 3).
+        Coordinates are forward, up and right from the shoulder. Angles [rad] have the shape
+        (samples, 4), positions the shape (samples, 4, 3).
         """
         data, model = mujoco.MjData(self.model), self.model
         bodies = [model.body(name).id for name in BODIES]
@@ -196,13 +186,13 @@ class MyoArm:
     def _outside(self, theirs: Array) -> AnyArray:
         ranges = np.array([self.model.joint(name).range for name in JOINTS])
         missed = (theirs < ranges[:, 0] - TOLERANCE) | (theirs > ranges[:, 1] + TOLERANCE)
-        # In a hanging arm the plane, and with it the rotation, is what rounding makes it.
+        # In a hanging arm plane and rotation depend on rounding.
         missed[:, [0, 2]] &= theirs[:, 1, None] >= HANGING
         return np.any(missed, axis=1)
 
 
 def myoarm_spec() -> mujoco.MjSpec:
-    """Returns MyoArm as myo-sim has it, without keyframes; InputError without the extra."""
+    """Returns MyoArm of myo-sim without keyframes; raises InputError without the extra."""
     try:
         import myo_sim
     except ImportError:
@@ -254,7 +244,7 @@ def lean(spec: mujoco.MjSpec) -> mujoco.MjModel:
 
 
 def _coupled(model: mujoco.MjModel) -> Array:
-    """Returns the angles of all joints per angle of `JOINTS`; equalities make them lines."""
+    """Returns the angles of all joints per angle of `JOINTS`, from linear equalities."""
     found = np.eye(model.nv)
     for i in range(model.neq):
         line = model.eq_data[i]
@@ -276,7 +266,7 @@ def _trunk(model: mujoco.MjModel) -> Array:
 
 
 def _signs(model: mujoco.MjModel, coupled: Array, trunk: Array) -> Array:
-    """Returns the signs of MyoArm's axes along ours, by those of its hanging arm."""
+    """Returns the signs of MyoArm's axes along our axes, from MyoArm's hanging posture."""
     ours = [[0, 0, 1], [0, 1, 0], [0, 0, 1], [1, 0, 0]]  # elbow, forearm, wrist, deviation
     data = mujoco.MjData(model)
     data.qpos[:] = FOREARM * coupled[:, JOINTS.index("pro_sup_r")]

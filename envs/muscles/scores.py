@@ -1,4 +1,4 @@
-"""The score of muscles: metabolic power and activation of motions, and a picture of those."""
+"""The score of muscles: metabolic power and activation of motions, and a figure of activations."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -37,14 +37,14 @@ def muscle_scores(
     threads: int = 0,
     on_motion: Callable[[], None] = lambda: None,
 ) -> Scored:
-    """Returns what motions cost the muscles of the wearer (needs the extra `muscles`).
+    """Returns metabolic power and activation of the wearer's muscles (needs the extra `muscles`).
 
-    MyoArm's muscles give the wearer's torque of every control period; see `analysis` for how, and
-    for the conventions.
+    MyoArm's muscles give the wearer's torque of every control period; method and conventions are in
+    `analysis`.
 
     Args:
-        motions: Motions of one policy, such as `rollout` or `Evaluation.traces` has them.
-        conventions: Names of conventions; the standard one is always among them.
+        motions: Motions of one policy, from `rollout` or `Evaluation.traces`.
+        conventions: Names of conventions; the standard convention is always among them.
         threads: Number of threads; 0 uses all cores.
         on_motion: Function that is called after each motion.
 
@@ -54,9 +54,9 @@ def muscle_scores(
         its third sample has NaN. The facts are under the standard convention: `loaded`, the three
         muscles with the greatest root mean square activation; `rest`, the power of muscles at rest
         [W], which `power` includes; `reserve`, the root mean square of the torque that muscles
-        could not give over that of the wanted one, and `largest_reserve` [N·m]; `saturated`, the
-        share of time in which a muscle was fully active and its load may be larger; `outside`, that
-        in which the posture was outside a range of MyoArm.
+        could not give over that of the wanted torque, and `largest_reserve` [N·m]; `saturated`, the
+        share of time in which a muscle was fully active and its load may be larger; `outside`, the
+        share of time in which the posture was outside a range of MyoArm.
     """
     names = tuple(dict.fromkeys((STANDARD, *conventions)))
     for name in names:
@@ -85,7 +85,7 @@ def muscle_scores(
     if outside.mean() > MOST_OUTSIDE:
         raise InputError(
             f"{outside.mean():.0%} of the postures are outside the ranges of MyoArm's joints, "
-            "and at most half may be: score a motion inside them"
+            "and at most half may be: score a motion inside these ranges"
         )
     loads = np.sqrt(np.mean(squares, axis=0))
     loaded = np.argsort(-loads, kind="stable")[:LOADED]
@@ -106,7 +106,7 @@ def muscle_scores(
 
 
 def _limits(demand: Demand, shared: Shared) -> list[float]:
-    """Returns mean squares of wanted and left torque, the most that is left, and two shares."""
+    """Returns mean squares of wanted torque and reserve, greatest reserve, and shares of time."""
     return [
         np.square(demand.torque).sum(axis=1).mean(),
         np.square(shared.reserve).sum(axis=1).mean(),
@@ -117,9 +117,9 @@ def _limits(demand: Demand, shared: Shared) -> list[float]:
 
 
 def activation_figure(motions: Mapping[str, Trace]) -> Figure:
-    """Draws activation over time as heat maps side by side, one a motion, muscles by group.
+    """Draws activation over time as one heat map per motion, with the muscles by group.
 
-    The motions are the same intended one under some conditions, by the name of each.
+    The motions, by names of conditions, have the same intended motion.
     """
     names = MyoArm.load().muscles
     rows = [names.index(name) for group in GROUPS.values() for name in group]
@@ -169,4 +169,4 @@ SCORE = Score(
     },
     packages=("myo-sim",),
 )
-"""What `evaluate` and the benchmark find under the name muscles."""
+"""The score that `evaluate` and the benchmark find under the name muscles."""

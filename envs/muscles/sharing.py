@@ -3,16 +3,15 @@
     min  sum over muscles of (linear a + square a²/2 + cubic a³/3)  +  |reserve|² / (2 softness)
     with lever a + reserve = wanted, in the last rows >= wanted,   low <= a <= high
 
-The dual has one unknown per row, x: each muscle's activation is where its marginal cost is what
-its lever earns, lever' x, within its bounds, and reserve = softness · x. In the last rows x is at
+The dual has one unknown x per row. The marginal cost of each muscle's activation equals lever' x,
+as far as the bounds of the activation allow, and reserve = softness · x. In the last rows x is at
 least 0. The gradient of the dual is piecewise smooth and the dual strongly convex, so that a
 semismooth Newton method (Qi and Sun 1993), projected on the bounds of x (Bertsekas 1982), with a
-line search on the dual, converges from anywhere. A sample starts from the last one.
+line search on the dual, converges from any x. A sample starts from the x of the sample before.
 
-Activation cannot change at once. From one control period to the next it stays between what a muscle
-at rest and one at full excitation would reach, by MuJoCo's activation dynamics after Millard et al.
-2013: rate = (excitation - a) / tau with tau = 10 ms (0.5 + 1.5 a) upwards and 40 ms / (0.5 + 1.5 a)
-downwards.
+Activation cannot change at once. In a control period activation stays between the activations that
+excitations 0 and 1 would reach, by MuJoCo's activation dynamics after Millard et al. 2013: rate =
+(excitation - a) / tau with tau = 10 ms (0.5 + 1.5 a) upwards, 40 ms / (0.5 + 1.5 a) downwards.
 """
 
 import math
@@ -32,38 +31,22 @@ CURVED = 1e-12  # cubic coefficient below which the cost is a parabola
 
 
 class Cost(NamedTuple):
-    """What is minimized, as coefficients of activation.
+    """The cost that is minimized, as coefficients of activation a."""
 
-    Attributes:
-        linear: Coefficient of a, shape (muscles,).
-        square: Coefficient of a²/2.
-        cubic: Coefficient of a³/3.
-        softness: Square of the reserve torque that is worth a cost of 1/2 [N²·m²].
-    """
-
-    linear: Array
-    square: float
-    cubic: float
-    softness: float
+    linear: Array  # coefficient of a, shape (muscles,)
+    square: float  # coefficient of a²/2
+    cubic: float  # coefficient of a³/3
+    softness: float  # square of the reserve torque that has a cost of 1/2 [N²·m²]
 
 
 class Problem(NamedTuple):
-    """One torque to share among muscles.
+    """The torques of one sample that are shared among muscles."""
 
-    Attributes:
-        lever: Torque of each muscle at full activation [N·m], shape (axes, muscles).
-        wanted: Torques [N·m], shape (axes,).
-        equal: Number of rows that are equations; the others are inequalities.
-        low: Least activation, shape (muscles,).
-        high: Greatest activation, shape (muscles,).
-        cost: What is minimized.
-    """
-
-    lever: Array
-    wanted: Array
-    equal: int
-    low: Array
-    high: Array
+    lever: Array  # torque of each muscle at full activation [N·m], shape (axes, muscles)
+    wanted: Array  # torques [N·m], shape (axes,)
+    equal: int  # number of rows that are equations; the later rows are inequalities
+    low: Array  # least activation, shape (muscles,)
+    high: Array  # greatest activation, shape (muscles,)
     cost: Cost
 
 
@@ -79,7 +62,7 @@ def activated(drive: float, square: float, cubic: float) -> float:
 
 @inner
 def evaluate(x: Array, of: Problem, a: Array, miss: Array) -> float:
-    """Computes activations and what the equations miss; returns the dual function."""
+    """Computes activations and the residuals of the equations; returns the dual function."""
     lever, wanted, cost = of.lever, of.wanted, of.cost
     axes, muscles = lever.shape
     value = 0.0
@@ -102,7 +85,7 @@ def evaluate(x: Array, of: Problem, a: Array, miss: Array) -> float:
 
 @inner
 def farthest(x: Array, miss: Array, equal: int) -> float:
-    """Returns the greatest miss: of the last rows, what is below, or above while x is not 0."""
+    """Returns the greatest residual; in the last rows a positive one counts only where x > 0."""
     found = 0.0
     for k in range(x.size):
         if k < equal or x[k] > 0.0 or miss[k] < 0.0:
@@ -132,12 +115,9 @@ def newton(x: Array, of: Problem, a: Array, miss: Array) -> Array:
 
 @inner
 def minimize(x: Array, of: Problem, a: Array) -> float:
-    """Shares one torque; returns the greatest miss [N·m].
+    """Computes the activations `a` of one sample, from a start `x` of the dual, both in place.
 
-    Args:
-        x: Unknowns of the dual, whose start is improved in place, shape (axes,).
-        of: The torque to share.
-        a: The activations, shape (muscles,), which are computed.
+    Returns the greatest residual [N·m].
     """
     axes = x.size
     miss, other = np.empty(axes), np.empty(axes)
@@ -180,17 +160,15 @@ def share(
         arms: Moment arms [m], shape (samples, axes, muscles).
         force: Force at full activation [N], shape (samples, muscles).
         wanted: Torques [N·m], shape (samples, axes).
-        equal: Number of rows whose torque is wanted exactly; in the others more is as well.
+        equal: Number of first axes with exactly the wanted torque; the other axes may have more.
         least: Least activation.
-        before: Activation a period before the first sample, shape (muscles,); NaN where any may be.
-        dt: Time between samples, in which activation changes [s]; infinite for samples that have
-            nothing to do with each other.
-        cost: What is minimized.
+        before: Activation a period before the first sample, shape (muscles,); NaN if unknown.
+        dt: Time between samples [s]; infinite for samples that are independent of each other.
+        cost: The cost that is minimized.
 
     Returns:
-        activation: The activations, shape (samples, muscles).
-        reserve: Torque that muscles do not give [N·m], shape (samples, axes).
-        missed: Greatest miss [N·m], shape (samples,).
+        Activations, shape (samples, muscles); torques that the muscles cannot give [N·m], shape
+        (samples, axes); greatest residual of each sample [N·m], shape (samples,).
     """
     samples, axes, muscles = arms.shape
     activation, reserve = np.empty((samples, muscles)), np.empty((samples, axes))

@@ -1,4 +1,4 @@
-"""Policies that learn: suit and weight by recursive least squares, the work by its cycles."""
+"""Policies that learn: suit and weight by recursive least squares, torques from cycle to cycle."""
 
 from typing import ClassVar
 
@@ -14,31 +14,30 @@ from .base import Seen
 from .model_based import SHARE, Compensation, ModelBased
 from .observers import Carried, LowPass, person_torque
 
-# The terms: unit hysteresis, a straight spring, bias and carried weight.
+# The terms: believed hysteresis, a straight spring, bias and carried weight.
 BELIEVED = np.array([1.0, 0.0, 0.0, 1.0])
-SPREAD = np.array([0.7, 1.0, 1.0, 0.3])  # 1, N·m/rad, N·m, 1: how wrong a belief may well be
+SPREAD = np.array([0.7, 1.0, 1.0, 0.3])  # [1, N·m/rad, N·m, 1], usual errors of a belief
 CUTOFF = 3.0  # Hz
-LASTING = 0.3  # [s], time for which an error that no term explains stays the same
-STILL = 0.02  # [rad/s], greatest rate at which nothing new is learned
-NOISE = 0.1  # share of the torque: noise of pads between person and suit
-QUIET = 0.2  # N·m, the least error that counts
-SCALES = (0.02, 50.0)  # factors of the hysteresis; any above 0 keeps the certificate
+LASTING = 0.3  # [s], correlation time of the error that the terms do not explain
+STILL = 0.02  # [rad/s], greatest rate at which nothing is learned
+NOISE = 0.1  # noise of the torque sensors between person and suit, over the torque
+QUIET = 0.2  # [N·m], least noise
+SCALES = (0.02, 50.0)  # range of the hysteresis' factor; each factor above 0 keeps the certificate
 LARGEST = np.array([0.0, 40.0, 20.0, 3.0])  # bounds of the other terms
-# Of iterative learning: noise and the lag of the motors are beyond the cutoff.
-LEARNED_CUTOFF = 4.0  # [Hz], greatest frequency that is learned
+LEARNED_CUTOFF = 4.0  # [Hz], greatest frequency of iterative learning; faster is noise and lag
 LONGEST = 60.0  # [s], greatest time of a cycle
 
 
 class Adaptive(ModelBased):
-    """Compensates with a suit and a weight that recursive least squares correct on the way.
+    """Compensates with a suit and a weight that recursive least squares correct.
 
-    Law: the torques of person and motors together, less what changes the momentum of all that the
-    arm carries, are what suit and weight need, y = θ·φ with φ = (believed resistance, angle, 1,
+    Law: the torques of person and motors, less the change of momentum of suit, exoskeleton and
+    load, are the torque of suit and weight, y = θ·φ with φ = (believed resistance, angle, 1,
     believed carried weight), both through the same low-pass, so that no acceleration is needed;
     K = Pφ/(λ + φᵀPφ), θ += K(y - φᵀθ), P = (P - Kφᵀ P)/λ, with a dead zone, P never larger than at
     the start, and θ projected at every update: a Jiles-Atherton model times any number above 0 has
-    the same certificate. Tuning: λ = 1 - dt / `forgetting`. Signals: `interaction`, without which
-    the person's torque would be taken for the suit's.
+    the same certificate. Tuning: λ = 1 - dt / `forgetting`. Signals: `interaction`, since otherwise
+    the person's torque would count as the suit's.
     Source: Tan and Baras 2004 (recursive identification of hysteresis), Åström and Wittenmark 1995.
 
     Args:
@@ -72,7 +71,7 @@ class Adaptive(ModelBased):
         )
 
     def begin(self, seen: Seen) -> None:
-        """Begins with what is believed."""
+        """Begins with the believed factors."""
         super().begin(seen)
         shape = (len(seen["angle"]), len(self.peak))
         self.estimate = np.tile(BELIEVED, (*shape, 1))
@@ -88,31 +87,23 @@ class Adaptive(ModelBased):
         """Learns from the last measurement; returns the corrected compensation [N·m], (n, 2)."""
         rate = seen["rate"]
         terms, (momentum, known) = self._terms(seen, 0.0), self._carried(seen)
-        known = known + self._weight(seen["angle"])  # its factor is not known
+        known = known + self._weight(seen["angle"])  # without the unknown factor
         self._past.append((terms, momentum, known, rate[:, self.assisted]))
-        if len(self._past) > self._late:
-            self._observe(*self._past.pop(0), person_torque(seen))
+        if len(self._past) > self._late:  # the person's torque comes late
+            terms, momentum, known, then = self._past.pop(0)
+            slow = self._momentum_slowly.step(momentum)
+            change, self._slow = (slow - self._slow) / self.dt, slow
+            needed = self._torque_slowly.step(known + person_torque(seen)) - change
+            self.learn(self._terms_slowly.step(terms), needed, np.abs(then) > STILL)
         soon = seen["angle"] + self.lead * rate
         own = self._whole(soon) - self._weight(soon)
         corrected = (self.estimate * self._terms(seen, self.lead)).sum(axis=-1)
         return corrected + own + self.friction(rate[:, self.assisted])
 
-    def _observe(
-        self, terms: Array, momentum: Array, known: Array, rate: Array, given: Array
-    ) -> None:
-        """Learns from what was when the person gave a torque; all through the same low-pass."""
-        slow = self._momentum_slowly.step(momentum)
-        change, self._slow = (slow - self._slow) / self.dt, slow
-        needed = self._torque_slowly.step(known + given) - change
-        self.learn(self._terms_slowly.step(terms), needed, np.abs(rate) > STILL)
-
     def learn(self, terms: Array, measured: Array, moving: NDArray[np.bool_]) -> None:
-        """Corrects the estimate by one measurement of every joint.
+        """Corrects the estimate of the joints that move, shape (n, 2), by one measurement of each.
 
-        Args:
-            terms: Regressors, shape (n, 2, 4).
-            measured: Torque that they should explain [N·m], shape (n, 2).
-            moving: Which joints move, so that there is something to learn, shape (n, 2).
+        Regressors have the shape (n, 2, 4), the torques that they explain [N·m] (n, 2).
         """
         error = measured - (self.estimate * terms).sum(axis=-1)
         noise = (QUIET + NOISE * np.abs(measured)) ** 2 * LASTING / self.dt
@@ -120,7 +111,9 @@ class Adaptive(ModelBased):
         spread = np.einsum("nijk,nik->nij", self._covariance, terms)
         gain = spread / (self._keep * noise + (terms * spread).sum(axis=-1))[..., None]
         step = np.where(learns[..., None], gain * np.where(learns, error, 0.0)[..., None], 0.0)
-        self.estimate = projected(self.estimate + step)
+        moved = self.estimate + step
+        self.estimate = np.clip(moved, -LARGEST, LARGEST)
+        self.estimate[..., 0] = np.clip(moved[..., 0], *SCALES)
         fresh = (self._covariance - gain[..., :, None] * spread[..., None, :]) / self._keep
         wound = np.einsum("nijj->nij", fresh) > SPREAD**2
         fresh = np.where(wound.any(axis=-1)[..., None, None], fresh * self._keep, fresh)
@@ -136,22 +129,16 @@ class Adaptive(ModelBased):
         return np.stack([resistance, here, np.ones_like(here), weight], axis=-1)
 
 
-def projected(theta: Array) -> Array:
-    """Returns the nearest factors that keep the certificate and are physical, shape (..., 4)."""
-    found = np.clip(theta, -LARGEST, LARGEST)
-    found[..., 0] = np.clip(theta[..., 0], *SCALES)
-    return found
-
-
 class IterativeLearning(Compensation):
-    """Compensates, and adds in each cycle of the work what the person still gave in the last ones.
+    """Compensates, and adds in each cycle the torque that the person gave in the cycles before.
 
     Law: u(k+1, phase) = Q[u(k, phase) + L e(k, phase + lead)], with the torque e that the person
-    gives to the suit beside what the motors relieve the arm of, and a filter Q without delay,
-    since the whole cycle is known. It contracts by 1 - L a cycle where the person yields to the
-    motors. Tuning: L is half of what would be right at once; the lead is the motors' lag. Signals:
-    `interaction`, and the time of a cycle, which the task tells; where there is none the policy is
-    compensation. Source: Zhang, Cheah and Collins (the best of nine torque controllers).
+    gives to the suit, plus the part of the arm's weight that the motors carry, and a filter Q
+    without delay, since the whole cycle is known. The error shrinks by the factor 1 - L per cycle
+    where the person yields to the motors. Tuning: L = 1 would remove the whole error in one cycle,
+    half of that is robust; the lead is the motors' lag. Signals: `interaction`, and the time of a
+    cycle from the task; in a task without cycles the policy is compensation.
+    Source: Zhang, Cheah and Collins (the best of nine torque controllers).
 
     Args:
         gain: Share L of the missing torque that is added, 0 to 1.
@@ -188,7 +175,7 @@ class IterativeLearning(Compensation):
         self._period = 0
 
     def torque(self, seen: Seen) -> Array:
-        """Returns compensation and what has been learned for this phase [N·m], (n, 2)."""
+        """Returns compensation and the learned torque of this phase [N·m], (n, 2)."""
         torque = super().torque(seen)
         if not self._cycle:
             return torque
@@ -204,14 +191,10 @@ class IterativeLearning(Compensation):
 
 
 def learned(known: Array, missing: Array, gain: float, ahead: int, dt: float) -> Array:
-    """Returns the torques of the next cycle [N·m].
+    """Returns the torques of the next cycle [N·m], shape (periods, ...).
 
-    Args:
-        known: Torques of this cycle [N·m], shape (periods, ...).
-        missing: Missing torques of this cycle [N·m], the same shape.
-        gain: Share of the missing torques that is added.
-        ahead: Periods by which torques are given earlier than they are missing.
-        dt: Control period [s].
+    A share `gain` of the missing torques is added to the known ones, `ahead` control periods
+    earlier.
     """
     width = 1 / (2 * np.pi * LEARNED_CUTOFF * dt)
     found = known + gain * np.roll(missing, -ahead, axis=0)

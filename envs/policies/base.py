@@ -1,4 +1,4 @@
-"""The protocol of a policy, and what policies with memory have in common."""
+"""The protocol of a policy, and the base class of policies that compute torques."""
 
 from collections.abc import Mapping
 from typing import ClassVar, Protocol
@@ -18,15 +18,15 @@ class Policy(Protocol):
     """A controller of the motors, for one arm or for rows of arms at once.
 
     `reset()` is called after the environment's reset, then `act(observation)` once per control
-    period. The observation is all that a policy learns of the simulation. Its memory, if it has
-    any, lasts from `reset` to `reset`, and is of as many arms as it saw first.
+    period. A policy knows nothing else of the simulation. Its memory, if any, lasts from `reset` to
+    `reset`, and belongs to as many arms as the first observation had.
 
     A policy that is made by name is called with the plant and its options as keywords:
-    `Class(plant, gain=0.5)`; the plant is all that it knows beside its observations. A class that
-    takes a `belief` gets a `Belief` of its options `suit`, `pressure`, `load` and `wearer`.
-    `sensors`, where the class has it, names the sensor suites that it needs. A policy that learns
-    over episodes has `practice`, the number of rollouts on other motions in which it learns before
-    it is scored; without it, each rollout of an evaluation gets a policy that is made anew.
+    `Class(plant, gain=0.5)`; the policy knows the plant and its observations, and nothing else. A
+    class with the parameter `belief` gets a `Belief` of the options `suit`, `pressure`, `load` and
+    `wearer`. A class attribute `sensors` names the sensor suites that the policy needs. A policy
+    that learns over episodes has `practice`, the number of rollouts on other motions before the
+    policy is scored; without `practice`, each rollout of an evaluation gets a new policy.
     """
 
     def reset(self) -> None:
@@ -49,18 +49,18 @@ class TorquePolicy:
 
     A subclass has `torque`, which gets the parts of the observations by name, as float64 and always
     in rows: one arm is n = 1. The base class cuts observations into these parts, divides the torque
-    by the peaks, clips it to [-1, 1] and gives it the shape of the observation. Where a subclass
-    has a memory, it makes it in `begin`, which is called with the first observations after each
-    reset; so the memory has as many rows as there are arms.
+    by the peaks, and clips the quotient to [-1, 1]. A subclass with a memory makes the memory in
+    `begin`, which is called with the first observations after each reset, so that the memory has as
+    many rows as there are arms.
 
     The parts of each sensor suite, with units, are listed in docs/environments.md: `angle` [rad]
     and `rate` [rad/s] of the four joints, shape (n, 4), and `motor_torque` over the peak, shape
     (n, 2), are in all of them.
 
-    Arguments that subclasses share are described here: `plant` is what the policy may know of the
-    arms, `belief` what the controller believes of person, suit and load, `lead` the time by which
-    the motors answer late [s], 0 to 0.2, `friction` the share of the motors' friction that is
-    cancelled, 0 to 1, and `delay` the age of the torque between person and suit [s], 0 to 0.5.
+    Common arguments of subclasses: `plant` is the knowledge of a policy about the arms, `belief`
+    its assumptions about person, suit and load, `lead` the lag of the motors [s], 0 to 0.2,
+    `friction` the share of the motors' friction that is cancelled, 0 to 1, and `delay` the delay of
+    the measured torque between person and suit [s], 0 to 0.5.
 
     Attributes:
         sensors: Names of the sensor suites that the class needs.
@@ -96,12 +96,12 @@ class TorquePolicy:
         return share.reshape(*observation.shape[:-1], len(self.peak))
 
     def begin(self, seen: Seen) -> None:
-        """Makes the memory anew; `seen` are the parts of the first observations of an episode."""
+        """Makes a new memory; `seen` has the parts of the first observations of an episode."""
 
     def torque(self, seen: Seen) -> Array:
-        """Returns the torque of the motors [N·m], shape (n, 2); it may be beyond their peaks.
+        """Returns the torque of the motors [N·m], shape (n, 2), also beyond the peaks.
 
-        It is called once per control period with the parts of the observations by name, shape
-        (n, size) each, and moves the memory on.
+        The base class calls `torque` once per control period with the parts of the observations by
+        name, shape (n, size) each; `torque` updates the memory.
         """
         raise NotImplementedError

@@ -1,4 +1,4 @@
-"""C99 headers of policies that cancel what models say: from encoders to the motors' torque."""
+"""C99 headers of policies that cancel modelled torques: from encoders to the motors' torque."""
 
 from pathlib import Path
 
@@ -39,12 +39,9 @@ def exportable() -> list[str]:
 
 
 def policy_header(name: str, policy: Policy, prefix: str) -> tuple[str, list[Part]]:
-    """Returns a C99 header of a policy, and the memory that it needs.
+    """Returns a C99 header of a policy of `exportable`, and the memory that the header needs.
 
-    Args:
-        name: Policy as it was given, for comments.
-        policy: The policy, as `make_policy` has made it, one of `exportable`.
-        prefix: Name with which all names of the header begin.
+    Comments show the policy's `name`; all names of the header begin with `prefix`.
     """
     if not isinstance(policy, ModelBased) or not _sums(type(policy)):
         raise InputError(
@@ -84,13 +81,13 @@ def policy_header(name: str, policy: Policy, prefix: str) -> tuple[str, list[Par
 
 
 def _sums(maker: type) -> bool:
-    """Returns whether a policy is the sum of `ModelBased`, and nothing else."""
+    """Returns whether a class gives the sum of `ModelBased` and no other torque."""
     sums = issubclass(maker, ModelBased)
     return sums and maker.torque is ModelBased.torque and maker.begin is ModelBased.begin
 
 
 def _suit_code(suit: BelievedSuit | None) -> str:
-    """Returns the state of a policy, and what follows the suit as `BelievedSuit` does."""
+    """Returns the C code of the state of a policy and of the suit's torque, as `BelievedSuit`."""
     fields, begins, adds = [], [], []
     for joint, entry in ({} if suit is None else suit.joints).items():
         assert suit is not None and isinstance(entry, SuitJoint)

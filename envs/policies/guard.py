@@ -1,4 +1,4 @@
-"""The passivity guard: a wrapper that keeps any policy from driving the arm."""
+"""The passivity guard: a wrapper that limits the energy which any policy gives to the arm."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,26 +9,21 @@ from ..plant import Plant
 from .base import Policy, Seen, TorquePolicy
 from .model_based import Compensation
 
-RESERVE = 1.0  # J, which motors may give beyond what the belief needs: 10 cm of a 1 kg load
-STILLEST = 1e-6  # [rad²/s²], squared rates at which no torque does work
+RESERVE = 1.0  # [J], energy that motors may give beyond the belief: 1 kg lifted by 10 cm
+STILLEST = 1e-6  # [rad²/s²], greatest squared rate at which work is neglected
 
 
 class Guard(TorquePolicy):
     """Lets a policy give the arm no more energy than its believed suit, weight and friction take.
 
-    Law: the ledger of an arm grows by the work that the believed compensation would do and falls by
-    what the motors did, both over shoulder and elbow, and is never above the reserve, so that help
-    not given is no credit. Torque that would bring it below 0 is lessened by a damping just strong
-    enough, as in the passivity controllers of Hannaford and Ryu (2002). In any stretch of time the
-    motors then give at most the reserve more than the belief stores and dissipates.
-
-    Args:
-        plant: What the policy may know of the arms.
-        policy: The policy that is guarded.
-        belief: What the guard believes of person, suit and load.
+    Law: the ledger of an arm grows by the work of the believed compensation and falls by the work
+    of the motors, both over shoulder and elbow. The ledger is never above the reserve, so that help
+    not given is no credit. A torque that would bring the ledger below 0 is reduced by the least
+    sufficient damping, as in the passivity controllers of Hannaford and Ryu (2002). So in any time
+    the motors give at most the reserve more than the belief stores and dissipates.
 
     Attributes:
-        acted: Number of control periods in which it lessened a torque, shape (n,), since the reset.
+        acted: Number of control periods since the reset with a reduced torque, shape (n,).
     """
 
     def __init__(self, plant: Plant, policy: Policy, belief: Belief | None = None) -> None:
@@ -38,7 +33,7 @@ class Guard(TorquePolicy):
         self._needed.lead = 0.0  # the ledger needs the work of this period
 
     def reset(self) -> None:
-        """Clears the memory of the last episode, the guarded policy's too."""
+        """Clears the memory of guard and policy."""
         super().reset()
         self._policy.reset()
         self._needed.reset()
@@ -66,21 +61,16 @@ class Guard(TorquePolicy):
 
 
 def updated_ledger(ledger: Array, needed: Array, given: Array, rate: Array, dt: float) -> Array:
-    """Returns ledgers after a control period [J]; the motors have given a torque [N·m], (n, 2)."""
+    """Returns ledgers [J], (n,), after a control period of needed and given torques, (n, 2)."""
     return np.minimum(ledger + ((needed - given) * rate).sum(axis=1) * dt, RESERVE)
 
 
 def lessen(
     wanted: Array, needed: Array, rate: Array, ledger: Array, dt: float
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Returns torques that leave no ledger below 0, and which rows they were lessened in.
+    """Returns torques that leave no ledger below 0 [N·m], (n, 2), and which rows were reduced.
 
-    Args:
-        wanted: Torque that a policy wants [N·m], shape (n, 2).
-        needed: Torque that the belief needs [N·m], shape (n, 2).
-        rate: Rates of the joints [rad/s], shape (n, 2).
-        ledger: Ledgers [J], shape (n,).
-        dt: Control period [s].
+    The policy wants, and the belief needs, a torque [N·m], (n, 2); ledgers [J] are (n,).
     """
     over = ((wanted - needed) * rate).sum(axis=1) * dt - ledger
     turning, power = (rate**2).sum(axis=1), (wanted * rate).sum(axis=1)

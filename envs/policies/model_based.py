@@ -1,8 +1,8 @@
-"""Policies that cancel what models say: of weight, of the suit, and of the motors' friction.
+"""Policies that cancel modelled torques: of weight, of the suit, and of the motors' friction.
 
-Each is a sum of terms, and all terms are at the angle plus the lead times the rate, both measured,
-where the joint will be when the motors have answered; friction is at the measured rate. The
-references stand here too: no assist, the true suit torque, and a plan that was made beforehand.
+Each is a sum of terms at the measured angle plus lead times measured rate, where the joint will be
+when the motors have answered; friction is at the measured rate. Three references are here too: no
+assist, the true suit torque, and a plan that was made beforehand.
 """
 
 import math
@@ -28,13 +28,9 @@ LONGEST_LEAD = 0.2  # s
 
 
 class Friction:
-    """The friction of the motors, as a function from rates [rad/s], (n, 2), to torques [N·m].
+    """A share of the motors' friction, as a function from rates [rad/s], (n, 2), to torques [N·m].
 
-    Args:
-        exo: Exoskeleton whose motors they are.
-        share: Share of the friction that is meant.
-        viscous: Whether the viscous part is meant too, which the measured torque of a motor is
-            without.
+    The viscous part is optional, since the measured torque of a motor does not contain that part.
     """
 
     def __init__(self, exo: Exo, share: float, *, viscous: bool = True) -> None:
@@ -43,7 +39,7 @@ class Friction:
         self.viscous = np.array([motor.viscous if viscous else 0.0 for motor in motors])
 
     def __call__(self, rate: Array) -> Array:
-        """Returns the torque that overcomes it [N·m], shape (n, 2)."""
+        """Returns the torque that overcomes the friction [N·m], shape (n, 2)."""
         return self.share * (self.coulomb * np.tanh(rate / TURNING) + self.viscous * rate)
 
 
@@ -51,10 +47,10 @@ class ModelBased(TorquePolicy):
     """Gives the sum of believed torques.
 
     Args:
-        plant: What the policy may know of the arms; its `config` is the arm that the policy
-            believes in, if `make_policy` has made it.
-        weight: Weight that is carried; None carries nothing.
-        suit: Follower of the suit whose torque is cancelled; None cancels none.
+        plant: The knowledge of a policy about the arms; `make_policy` sets its `config` to the arm
+            that the policy believes in.
+        weight: Weight that the motors carry; None carries nothing.
+        suit: Follower of the suit whose torque is cancelled; None cancels nothing.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
         lead: Time by which the motors answer late [s], 0 to 0.2.
     """
@@ -91,14 +87,14 @@ class ModelBased(TorquePolicy):
         return torque + self.friction(rate[:, self.assisted])
 
     def suit_torque(self, seen: Seen) -> Array:
-        """Moves the suit's memory on; returns its believed resistance soon [N·m], (n, 2)."""
+        """Updates the suit's memory; returns the resistance after the lead [N·m], shape (n, 2)."""
         assert self.suit is not None
         angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
         return self.suit.follow(self._memory, angle, rate, self.lead)
 
 
 class HysteresisFeedforward(ModelBased):
-    """Cancels the suit torque that a believed model predicts, with a memory of its own.
+    """Cancels the suit torque that a believed model with a memory predicts.
 
     Law: the resistance of the model at the measured angle plus `lead` times the measured rate; see
     `BelievedSuit`. A joint that the believed suit lacks gets no assist.
@@ -113,8 +109,8 @@ class HysteresisFeedforward(ModelBased):
 class GravityCompensation(ModelBased):
     """Carries the weight of arm, suit, exoskeleton and load.
 
-    Law: the static torque of the believed masses at the measured angles. Tuning: none. With cuffs
-    it uses the exoskeleton's angles for the arm's; they differ because cuffs yield.
+    Law: the static torque of the believed masses at the measured angles. Tuning: none. With cuffs,
+    which yield, the exoskeleton's angles replace those of the arm.
     Source: weight support of arm exoskeletons, such as Bardi et al. 2024 (arXiv 2406.18412).
     """
 
@@ -134,7 +130,7 @@ class Transparent(ModelBased):
 
 
 class Compensation(ModelBased):
-    """Carries the weight of all, the arm's too, and cancels suit and friction.
+    """Carries the weight of arm, suit, exoskeleton and load, and cancels suit and friction.
 
     Law: gravity, feedforward and the motors' friction together. Tuning: as of its parts.
     """
@@ -155,10 +151,9 @@ class Compensation(ModelBased):
 
 
 class Complement(Compensation):
-    """Does what compensation does, but leaves the wearer the weight of the bare arm.
+    """Compensates all but the weight of the bare arm, which the wearer carries as without a suit.
 
-    Law: compensation less the believed weight of the arm, which its wearer carries as without a
-    suit. Tuning and arguments: as of compensation.
+    Law: compensation less the believed weight of the arm. Tuning and arguments: as of compensation.
     """
 
     weight_of = staticmethod(BelievedArm.carried_weight)
@@ -167,11 +162,11 @@ class Complement(Compensation):
 class Impedance(Compensation):
     """Pulls the arm along the intention by springs and dampers, beside compensation.
 
-    Law: compensation + K (q_d - q) + B (q_d' - q'), all at the angles of soon.
+    Law: compensation + K (q_d - q) + B (q_d' - q'), all at the angles after the lead.
     Tuning rule: K = M w² and B = 2 z M w with the believed inertia M of each joint, the bandwidth
     w and the damping ratio z; w is a fifth of the inverse of the loop's lag, 0.03 s.
-    Signals needed: encoders and a preview of the intention. Where the preview is wrong the policy
-    fights the wearer.
+    Signals needed: encoders and a preview of the intention. With a wrong preview the policy works
+    against the wearer.
     Source: Hogan 1985, Impedance control, J. Dyn. Syst. Meas. Control 107, 1-24.
 
     Args:
@@ -204,13 +199,10 @@ class Impedance(Compensation):
 
 
 def intended(target: Array) -> tuple[Array, Array]:
-    """Returns angle [rad] and rate [rad/s] that are intended soon, shape (n, 2) each.
+    """Returns angle [rad] and rate [rad/s] at the nearest previewed time, shape (n, 2) each.
 
-    Soon is at the nearest previewed time, when the motors have answered. The rate there is that of
-    the parabola through the three previewed angles.
-
-    Args:
-        target: Previewed angles [rad], the nearest first, shape (n, 6).
+    The rate is that of the parabola through the three previewed angles [rad], shape (n, 6), the
+    nearest first.
     """
     now, next_, last = target[:, 0:2], target[:, 2:4], target[:, 4:6]
     near, far = PREVIEW[1] - PREVIEW[0], PREVIEW[2] - PREVIEW[0]
@@ -227,7 +219,7 @@ class NoAssist(TorquePolicy):
 
 
 class Oracle(TorquePolicy):
-    """Cancels the true suit torque of this moment; only the delay of the motors remains."""
+    """Cancels the true suit torque; only the error by the motors' lag remains."""
 
     sensors = ("encoders", "privileged")
 
@@ -237,10 +229,9 @@ class Oracle(TorquePolicy):
 
 
 class Planned:
-    """Gives the commands of a plan, one after the other, whatever it observes.
+    """Gives the commands of a plan one after another, and ignores observations.
 
-    Args:
-        commands: Torque of the motors over their peaks, shape (rows, periods, 2).
+    Commands are torques of the motors over their peaks, shape (rows, periods, 2).
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
@@ -249,7 +240,7 @@ class Planned:
         self.commands, self._period = commands, 0
 
     def reset(self) -> None:
-        """Goes back to the first command."""
+        """Returns to the first command."""
         self._period = 0
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:

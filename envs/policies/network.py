@@ -1,4 +1,4 @@
-"""Trained networks as data: numbers in a safetensors file, a card in JSON, NumPy that runs both.
+"""Trained networks as data: arrays in a safetensors file and a card in JSON, for NumPy alone.
 
 Neither file can run code, and neither needs torch.
 """
@@ -35,51 +35,32 @@ LSTM_ARRAYS = (f"{LSTM}.input", f"{LSTM}.hidden", f"{LSTM}.bias")
 
 
 class Residual(BaseModel):
-    """A policy that a network corrects: action = policy + scale x network.
-
-    Attributes:
-        policy: The policy, as a name of this package and options beside it.
-        scale: Scale of the correction, 0.01 to 2.
-    """
+    """A policy that a network corrects: action = policy + scale x network."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    policy: dict[str, Any]
+    policy: dict[str, Any]  # name of a policy of this package, and options
     scale: float = Field(ge=LEAST_SCALE, le=MOST_SCALE)
 
 
 class Card(BaseModel):
-    """What belongs to the weights of a policy; `activation` and `squashed` are as of `Network`.
-
-    Attributes:
-        format: Version of the two files.
-        weights: SHA-256 of the file of weights; None before the first checkpoint.
-        observation: What the network observes; see `observed`.
-        contract: Hash of `observation`.
-        environment: Id of the environment of the training, and its options.
-        residual: Policy that the network corrects, whose action it observes; None if it acts alone.
-        training: Algorithm, seed, steps and what else describes the training.
-        scores: Scores of the evaluation during the training at which these weights were the best.
-        versions: Versions of the packages that trained it.
-        summary: Sentence about the policy, for lists; None if there is none.
-        license: License of the weights, by its SPDX name; None if none is granted.
-    """
+    """The data of a policy beside its weights; `activation` and `squashed` are as in `Network`."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    format: Literal[1] = FORMAT
+    format: Literal[1] = FORMAT  # version of the two files
     activation: Literal["tanh", "relu"] = "tanh"
     squashed: bool = False
-    weights: str | None = None
-    observation: dict[str, Any]
-    contract: str
-    environment: dict[str, Any]
-    residual: Residual | None = None
-    training: dict[str, Any]
-    scores: dict[str, Any] | None = None
-    versions: dict[str, str] = {}
-    summary: str | None = None
-    license: str | None = None
+    weights: str | None = None  # SHA-256 of the file of weights; None before the first checkpoint
+    observation: dict[str, Any]  # observation and motors; see `observed`
+    contract: str  # hash of `observation`
+    environment: dict[str, Any]  # id of the environment of the training, and its options
+    residual: Residual | None = None  # policy that the network corrects, and whose action it sees
+    training: dict[str, Any]  # algorithm, seed, steps and other data of the training
+    scores: dict[str, Any] | None = None  # evaluation during the training that chose these weights
+    versions: dict[str, str] = {}  # versions of the packages of the training
+    summary: str | None = None  # sentence about the policy, for lists
+    license: str | None = None  # license of the weights, by its SPDX name
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +89,7 @@ class Network:
         ]
         for name in known:
             if name not in self.weights:
-                raise InputError(f"the network has no {name}: give it")
+                raise InputError(f"the network has no {name}: add this array")
             _check_numbers(name, self.weights[name], 1 if name.endswith("bias") else 2)
         for name in self.weights:
             if name not in known:
@@ -206,7 +187,7 @@ def _check_numbers(name: str, found: Any, dimensions: int) -> None:
 
 
 def observed(plant: Plant) -> dict[str, Any]:
-    """Returns what a policy observes and moves, as plain data: two arms with equal ones fit."""
+    """Returns observation and motors as plain data; a policy fits all arms with equal data."""
     return {
         "sensors": list(plant.sensors),
         "normalize": plant.normalized,
@@ -218,7 +199,7 @@ def observed(plant: Plant) -> dict[str, Any]:
 
 
 def contract_of(observation: Mapping[str, Any]) -> str:
-    """Returns the hash of what a policy observes and moves."""
+    """Returns the hash of the data that `observed` returns."""
     text = json.dumps(observation, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
@@ -242,7 +223,7 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
 
 
 def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
-    """Returns the network of a folder; only numbers are read."""
+    """Returns the network of a folder; nothing in the folder is executed."""
     from safetensors import SafetensorError
     from safetensors.numpy import load
 
@@ -254,8 +235,8 @@ def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
     content = content_of(path, "network", LARGEST)
     if hashlib.sha256(content).hexdigest() != card.weights:
         raise InputError(
-            f"{str(path)!r} and {CARD} do not belong together: their hashes differ, so that one of "
-            "them is damaged or of another training; restore both"
+            f"{str(path)!r} and {CARD} do not belong together, since their hashes differ, and one "
+            "is damaged or of another training: restore both"
         )
     try:
         network = Network(load(content), card.activation, card.squashed)

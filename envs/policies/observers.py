@@ -1,6 +1,6 @@
-"""Policies that find what no model says: of the suit's torque, of disturbances, of yielding cuffs.
+"""Policies that estimate the suit's torque, disturbances or the turn of the arm in its cuffs.
 
-Torques come from what the momentum of all that the arm carries does not explain.
+Estimated torques are changes of the carried momentum that known torques do not explain.
 """
 
 import math
@@ -19,12 +19,7 @@ from .model_based import SHARE, Compensation, Friction, ModelBased
 
 
 class LowPass:
-    """A first-order low-pass.
-
-    Args:
-        cutoff: Frequency at which the output is 3 dB lower [Hz], for all or for each component.
-        dt: Period [s].
-    """
+    """A first-order low-pass with one cutoff (-3 dB) [Hz] or one for each component."""
 
     def __init__(self, cutoff: float | Array, dt: float) -> None:
         self._share = smoothing(cutoff, dt)
@@ -40,11 +35,9 @@ class LowPass:
 
 
 class SecondOrderLowPass:
-    """A critically damped low-pass of second order, which returns the rate of its output as well.
+    """A critically damped low-pass of second order with a natural frequency (-6 dB) [Hz].
 
-    Args:
-        cutoff: Natural frequency [Hz], at which the output is 6 dB lower.
-        dt: Period [s].
+    `step` returns the output and its rate.
     """
 
     def __init__(self, cutoff: float, dt: float) -> None:
@@ -66,11 +59,11 @@ class SecondOrderLowPass:
 
 
 class Carried:
-    """Believed momentum of suit, exoskeleton and load, and the torques upon them that are known.
+    """Believed momentum of suit, exoskeleton and load, and the known torques on these.
 
-    Unknown are the suit's torque and the person's, which `person_torque` measures. The bare arm is
-    no part of the momentum: `interaction_torque` is the person's torque beyond what the bare arm
-    needs, and moves suit, exoskeleton and load alone.
+    The suit's torque and the person's torque, which `person_torque` measures, are not included. The
+    bare arm is no part of the momentum: `interaction_torque` is the person's torque less the torque
+    of the bare arm, and moves suit, exoskeleton and load alone.
     """
 
     def __init__(self, plant: Plant, belief: Belief | None) -> None:
@@ -80,10 +73,7 @@ class Carried:
         self._peak = np.array([motor.peak_torque for motor in arm.config.exo.motors.values()])
 
     def __call__(self, seen: Seen) -> tuple[Array, Array]:
-        """Returns the momentum [N·m·s] and the torque that is known [N·m], shape (n, 2) each.
-
-        The torque is that of motors and weight, less friction.
-        """
+        """Returns momentum [N·m·s] and torque of motors, weight and friction [N·m], (n, 2) each."""
         angle, rate = seen["angle"], seen["rate"]
         momentum, gyration = self._inertia.momentum(angle, rate)
         given = seen["motor_torque"] * self._peak - self._friction(rate[:, ASSISTED_PLACES])
@@ -91,12 +81,12 @@ class Carried:
 
 
 def person_torque(seen: Seen) -> Array:
-    """Returns the torque that the person gives to what is carried [N·m], shape (n, 2)."""
+    """Returns the person's torque on suit, exoskeleton and load [N·m], shape (n, 2)."""
     return seen["interaction_torque"][:, ASSISTED_PLACES]
 
 
 class MomentumObserver:
-    """Estimates the torque that changes a momentum beside the torques that are known.
+    """Estimates the unknown torque that changes a momentum together with known torques.
 
     The residual r = K (p - integral of (known + r)) needs no acceleration. It follows the unknown
     torque as a low-pass of first order with the bandwidth K.
@@ -108,10 +98,10 @@ class MomentumObserver:
     """
 
     def __init__(self, bandwidth: float, dt: float) -> None:
-        self._gain, self._dt = (1 - math.exp(-bandwidth * dt)) / dt, dt  # exact if torques stay
+        self._gain, self._dt = (1 - math.exp(-bandwidth * dt)) / dt, dt  # exact if constant
 
     def begin(self, momentum: Array) -> None:
-        """Begins with the residual zero, at a momentum [N·m·s], any shape."""
+        """Begins at a momentum [N·m·s] of any shape, with residual zero."""
         self._explained, self._residual = momentum.copy(), np.zeros_like(momentum)
 
     def step(self, momentum: Array, known: Array) -> Array:
@@ -129,13 +119,13 @@ class MomentumObserver:
 class ObserverAssist(ModelBased):
     """Cancels the suit's torque that a momentum observer finds, without any model of the suit.
 
-    Law: believed weight and friction, less the residual of a momentum observer of all that the bare
-    arm carries. The observer knows motors, weight, friction and the person's torque.
+    Law: believed weight and friction, less the residual of a momentum observer of suit, exoskeleton
+    and load. The observer knows motors, weight, friction and the person's torque.
     Tuning rule: the person's torque is measured 0.05 s late, so the loop from motor to wearer and
-    back has a gain of at most K times 0.05 s, which the default makes one half.
-    Signals needed: encoders and the interaction torque. Without a measurement of the person the
-    residual contains the person's torque as well, and a policy that cancels it fights the
-    wearer: relief is then that of motors that are off. The believed suit does not matter.
+    back has a gain of at most K times 0.05 s, which is one half by default.
+    Signals needed: encoders and the interaction torque. Without the interaction torque the residual
+    contains the person's torque as well, and cancelling the residual works against the wearer. The
+    believed suit has no effect.
     Source: De Luca and Mattone 2003 (see `MomentumObserver`).
 
     Args:
@@ -170,16 +160,16 @@ class ObserverAssist(ModelBased):
 
 
 class DisturbanceObserver(Compensation):
-    """Cancels, beside compensation, what the believed arm and suit do not explain.
+    """Compensates, and cancels torques that the believed arm and suit do not explain.
 
     Law: compensation + d, with d = Q (known torque - P^-1 q): the torques of motors and person less
-    what believed suit, weight, friction and inertia need for the measured motion, through a
+    the torques of believed suit, weight, friction and inertia in the measured motion, through a
     critically damped low-pass Q of second order.
     Tuning rule: the person's torque is measured T = 0.05 s late, so the loop from motor to wearer
     and back has the gain |Q| |1 - exp(-jwT)|, which must stay below 1: 5 Hz and less. At the
     default it is 0.31 at most.
-    Signals needed: encoders and the interaction torque. Without it the wearer is a disturbance, and
-    is rejected like one.
+    Signals needed: encoders and the interaction torque. Without the interaction torque the policy
+    would cancel the wearer's torque as a disturbance.
     Source: Ohnishi, Shibata and Murakami 1996, IEEE/ASME T-Mech 1; Chen et al. 2016, IEEE T-IE 63.
 
     Args:
@@ -198,7 +188,7 @@ class DisturbanceObserver(Compensation):
         self._known = SecondOrderLowPass(bandwidth, self.dt)
 
     def begin(self, seen: Seen) -> None:
-        """Begins the filters at rest, as if nothing were unexplained."""
+        """Begins the filters at rest, with no disturbance."""
         super().begin(seen)
         momentum, known = self._carried(seen)
         self._moving.begin(momentum)
@@ -214,23 +204,23 @@ class DisturbanceObserver(Compensation):
         return compensation + explained - needed
 
     def suit_torque(self, seen: Seen) -> Array:
-        """Keeps the believed resistance of the suit for the observer; returns it."""
+        """Returns the believed resistance of the suit, and keeps it for the observer."""
         self._resistance = super().suit_torque(seen)
         return self._resistance
 
 
 CUFF_NOISE = 1.0  # [N], standard deviation of a component of a cuff's force
-USUAL_TURN = 0.1  # [rad], usual turn of an arm in its cuffs: the prior where no cuff measures it
+USUAL_TURN = 0.1  # [rad], standard deviation of an arm's turn in its cuffs before any measurement
 
 
 class CorrectedCompensation(Compensation):
-    """Compensates at the angles of the arm, which yields in its cuffs, instead of the encoders'.
+    """Compensates at the angles of the arm, which differ from the encoders' as the cuffs yield.
 
     Law: a cuff is a spring with a damper, so that its force, lagged by damping over stiffness, is
     stiffness times displacement. The turns of the four joints that explain all three forces best
-    (least squares, with a usual turn of 0.1 rad where forces tell little) are added to the
-    encoders' angles. The rest is compensation.
-    Tuning rule: none beside those of compensation; the cuffs' stiffness is that of `envs.model`.
+    (regularized least squares with a standard deviation of 0.1 rad) are added to the encoders'
+    angles. The rest is compensation.
+    Tuning rule: as of compensation; the cuffs' stiffness is that of `envs.model`.
     Signals needed: encoders and cuffs (coupling="cuffs").
     Source: joint angles from the deflection of physical interfaces, Schiele and van der Helm 2006,
     Kinematic design to improve ergonomics in human machine interaction, IEEE TNSRE 14(4), for the
@@ -254,7 +244,7 @@ class CorrectedCompensation(Compensation):
         self._elastic = LowPass(self._stiffness / damping / math.tau, self.dt)
 
     def begin(self, seen: Seen) -> None:
-        """Begins with the cuffs in balance."""
+        """Begins with the springs of the cuffs in balance."""
         self._elastic.begin(seen["cuff_force"])
         super().begin(self._corrected(seen))
 
@@ -266,7 +256,7 @@ class CorrectedCompensation(Compensation):
         return {**seen, "angle": seen["angle"] + self.turn(seen)}
 
     def turn(self, seen: Seen) -> Array:
-        """Returns by how much the arm is turned from the exoskeleton [rad], shape (n, 4)."""
+        """Returns the angles of the arm less those of the exoskeleton [rad], shape (n, 4)."""
         force = self._elastic.step(seen["cuff_force"])
         spring = self._stiffness[:, None] * self._levers(seen["angle"])
         transposed = np.swapaxes(spring, 1, 2)

@@ -1,7 +1,7 @@
 """Makes ONNX models of trained networks (needs the extra `onnx`)."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,12 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from ... import __version__
-from ...arrays import AnyArray, Array
+from ...arrays import AnyArray
 from ..interface.observation import SUITES, checked_sensors
 from .network import LSTM, LSTM_ARRAYS, Card, Network
 
 OPSET, IR_VERSION = 17, 8  # versions of 2022, which older runtimes read, too
-OBSERVATIONS = 1000  # number of those in the check
+OBSERVATIONS = 1000  # number of random observations in the check
 OPERATORS = {"tanh": "Tanh", "relu": "Relu"}
 
 
@@ -63,10 +63,9 @@ def onnx_model(card: Card, network: Network) -> onnx.ModelProto:
 
 
 def differences(model: onnx.ModelProto, network: Network) -> dict[str, float]:
-    """Returns the largest difference between the outputs of a model and of its network.
+    """Returns the largest difference between outputs of a model and of its network, by runtime.
 
-    It is over random observations, by the name of the runtime: the reference of ONNX, and
-    onnxruntime if it is installed.
+    Observations are random; runtimes are the reference of ONNX, and onnxruntime if installed.
     """
     runtimes: dict[str, Callable[..., Any]] = {"ONNX reference": ReferenceEvaluator(model).run}
     try:
@@ -82,14 +81,12 @@ def differences(model: onnx.ModelProto, network: Network) -> dict[str, float]:
     given, moved = {"observation": observation}, memory.astype(float)
     if network.hidden:
         given["memory"] = memory
-    expected = [network.act(observation, moved), moved]
-    return {name: _largest(run(None, given), expected) for name, run in runtimes.items()}
-
-
-def _largest(found: Sequence[AnyArray], expected: Sequence[Array]) -> float:
-    """Returns the largest difference; nan if a value is not a number."""
-    pairs = zip(found, expected[: len(found)], strict=True)  # a memory only where there is an LSTM
-    return float(np.max([np.abs(one - other).max(initial=0.0) for one, other in pairs]))
+    expected = (network.act(observation, moved), moved)[: len(given)]  # memory only with an LSTM
+    found = {}
+    for name, run in runtimes.items():
+        pairs = zip(run(None, given), expected, strict=True)
+        found[name] = float(np.max([np.abs(one - other).max() for one, other in pairs]))
+    return found
 
 
 def _described(name: str, shape: list[int | str], text: str) -> onnx.ValueInfoProto:
@@ -97,7 +94,7 @@ def _described(name: str, shape: list[int | str], text: str) -> onnx.ValueInfoPr
 
 
 def _metadata(card: Card) -> dict[str, str]:
-    """Returns what the network observes and where it was trained: JSON, and the contract's hash."""
+    """Returns observation and environment of the training as JSON, and the contract's hash."""
     sensors = checked_sensors(card.observation.get("sensors", ()))
     parts = {
         part.name: {name: getattr(part, name) for name in ("shows", "unit", "limit", "scale")}

@@ -1,4 +1,4 @@
-"""Predictive sampling: the motors' torque that a believed arm says costs its wearer least."""
+"""Predictive sampling: the motors' torque with the least effort of a believed wearer."""
 
 import mujoco
 import numpy as np
@@ -20,25 +20,25 @@ from .observers import LowPass
 PERIOD = 0.05  # [s], time from plan to plan
 KNOTS = 3  # number of knots of a plan over its horizon
 QUICKNESS = 3.0  # [Hz], bandwidth of estimated accelerations
-SHRINKING = 0.8  # share of the last plan that is kept, since it no longer fits
-ELITE = 4  # one plan in four counts: their mean is less random than the best
-SMOOTHNESS = 1.0  # cost of a correction as large as the motor's peak, beside that of strength
+SHRINKING = 0.8  # factor of the last plan, which is of an earlier state
+ELITE = 4  # the best quarter of the plans is averaged, which is less random than the best plan
+SMOOTHNESS = 1.0  # cost of a correction as large as the motor's peak, over that of full effort
 FEWEST, MOST = 4, 64  # samples
 COARSENESS = 2.5  # steps of a believed arm over those of the simulated one
 
 
 class PredictiveSampling(Compensation):
-    """Compensates, and corrects it by the best of sampled plans on the believed arm.
+    """Compensates, and adds the best of sampled corrections on the believed arm.
 
-    Law: twenty times a second, plans of corrections (the last one, shrunk, and random ones around
-    it, with three knots over the horizon) are simulated on a batch of the believed arm, in steps
-    two and a half times as long, whose wearer continues the present motion; the mean of
-    the quarter that leaves the wearer the least torque over strength is followed (predictive
-    sampling, Howell et al. 2022, arXiv 2212.00541). Encoders and motors give the state; the suit's
-    memory is that of an arm which is moved along.
+    Law: twenty times a second, plans of corrections (the last plan, shrunk, and random plans around
+    the last one, with three knots over the horizon) are simulated on a batch of believed arms, in
+    steps two and a half times as long, whose wearers continue the present motion. The policy
+    follows the mean of the quarter of plans with the least torque over strength of the wearer
+    (predictive sampling, Howell et al. 2022, arXiv 2212.00541). Encoders and motors give the state;
+    the suit's memory is that of a simulated arm which follows the encoders.
     Tuning: spread of the samples and horizon, several times the motors' lag.
 
-    With the true suit as belief it is a bound for its kind, and no controller.
+    With the true suit as belief the policy is a bound for its kind, and no controller.
 
     Args:
         samples: Number of plans, 4 to 64.
@@ -76,7 +76,7 @@ class PredictiveSampling(Compensation):
         self._blend = np.clip(1 - np.abs(place[:, None] - np.arange(KNOTS)), 0, 1)
 
     def begin(self, seen: Seen) -> None:
-        """Begins with believed arms where the measured ones are, and plans that correct nothing."""
+        """Begins with believed arms at the measured angles, and plans of zero correction."""
         super().begin(seen)
         rows = len(seen["angle"])
         batch = self._batch = Batch(self._model, rows * (1 + self._samples), nthread=1)
@@ -85,7 +85,7 @@ class PredictiveSampling(Compensation):
         self._physics = {name: batch.bind(name) for name in names}
         bias = batch.expand("actuator_biasprm")
         bias[:, self._at.human, 1], bias[:, self._at.human, 2] = -STIFF[0], -STIFF[1]
-        self._rng = np.random.default_rng(self._seed)  # a row is what it would be alone
+        self._rng = np.random.default_rng(self._seed)  # a row is equal to a single arm
         self._knots = np.zeros((rows, KNOTS, len(self.peak)))
         self._planned = 0
         self._turned = seen["rate"]
@@ -93,7 +93,7 @@ class PredictiveSampling(Compensation):
         self._given = np.zeros((rows, len(self.peak)))
 
     def torque(self, seen: Seen) -> Array:
-        """Returns compensation and the plan's correction of it [N·m], shape (n, 2)."""
+        """Returns compensation plus the plan's correction [N·m], shape (n, 2)."""
         nominal = super().torque(seen)
         self._speeding = self._slow.step((seen["rate"] - self._turned) / self.dt)
         self._turned = seen["rate"]
@@ -107,7 +107,7 @@ class PredictiveSampling(Compensation):
         return nominal + correction
 
     def _follow(self, seen: Seen) -> None:
-        """Moves the believed arms along what is measured, so that their suits remember it."""
+        """Moves the believed arms along the measured motion, which their suits remember."""
         rows, at = np.arange(len(seen["angle"])), self._at
         if self._planned:
             self._intend(rows, seen["angle"], np.zeros_like(seen["angle"]))
@@ -119,7 +119,7 @@ class PredictiveSampling(Compensation):
         self._physics["act"][rows] = seen["motor_torque"] * self.peak
 
     def _plan(self, seen: Seen, nominal: Array) -> None:
-        """Simulates plans on the believed arms, and keeps the best one of each."""
+        """Simulates plans on the believed arms, and keeps the mean of the best for each arm."""
         rows, count, batch = len(nominal), self._samples, self._batch
         trial = np.arange(rows, rows * (1 + count))
         source = np.repeat(np.arange(rows), count)
@@ -158,7 +158,7 @@ class PredictiveSampling(Compensation):
         return np.array(found)
 
     def _intend(self, rows: NDArray[np.int64], angle: Array, rate: Array) -> None:
-        """Lets wearers of some believed arms intend angles [rad] and rates, shape (k, 4) each."""
+        """Sets the intended angles [rad] and rates of some believed wearers, shape (k, 4) each."""
         place, ctrl = self._at.intention, self._physics["ctrl"]
         ctrl[rows[:, None], place[0]], ctrl[rows[:, None], place[1]] = angle, rate
         ctrl[rows[:, None], place[2]] = np.zeros((1, len(JOINTS)))

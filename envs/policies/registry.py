@@ -6,11 +6,14 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...checks import within
 from ...errors import InputError, shown, unknown_name
 from ..arm_env import ArmEnv
 from ..belief import Belief
-from ..interface.own_code import imported
+from ..interface.own_code import called, imported
 from ..model import resisting_joints
 from ..plant import Plant
 from ..setup import DEFAULTS
@@ -19,7 +22,6 @@ from . import adaptive, model_based, observers, predictive, trained
 from .base import Policy
 from .guard import Guard
 from .network import Card, Network, Residual, read_card, read_network
-from .own import OwnPolicy
 from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
 from .spec import AnyPolicy, PolicySpec, parsed, typed
 
@@ -39,7 +41,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "disturbance-observer": observers.DisturbanceObserver,
     "oracle": model_based.Oracle,
 }
-_EXAMPLES = {  # policies of version 0.2 that are examples of a class of one's own
+_EXAMPLES = {  # policies of version 0.2 that are now examples of a user's own class
     "admittance": "admittance:Admittance",
     "amplification": "amplification:ForceAmplification",
     "oscillators": "oscillators:AdaptiveOscillators",
@@ -57,35 +59,25 @@ _BELIEF: dict[str, Any] = {  # options of a policy that takes a belief
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyKind:
-    """What is known of a policy by its name alone, before an environment is made for it.
+    """The properties of a policy that follow from its name, without an environment."""
 
-    Attributes:
-        name: Name among `POLICIES` or `shipped_policies`, folder of a training run, or
-            "package.module:Class".
-        maker: Class of the policy, or a function that makes it; None for a trained one.
-        folder: Folder of a trained policy; None for the others.
-        options: Types of its options by name, which follow from the signature of `maker`.
-        believes: Whether it takes a `Belief`: its suit, pressure, load and wearer.
-    """
-
-    name: str
-    maker: Callable[..., Policy] | None = None
-    folder: str = ""
-    options: Mapping[str, Any] = field(default_factory=dict)
-    believes: bool = False
+    maker: Callable[..., Policy] | None = None  # class or function; None for a trained policy
+    folder: str = ""  # folder of a trained policy
+    options: Mapping[str, Any] = field(default_factory=dict)  # types by name, as `maker` has them
+    believes: bool = False  # whether the policy takes a `Belief`: suit, pressure, load and wearer
 
     @classmethod
     def of(cls, name: str, beside: Sequence[str] = ()) -> "PolicyKind":
-        """Returns the kind of a name; a message about unknown ones has the names `beside` too."""
+        """Returns the kind of a name; `beside` are more names for messages; see `policy_spec`."""
         if name not in POLICIES and (folder := trained.folder_of(name)):
-            return cls(name=name, folder=folder)
+            return cls(folder=folder)
         maker = POLICIES.get(name) or _own_maker(name, beside)
         try:
             _, *rest = inspect.signature(maker, eval_str=True).parameters.values()  # after plant
         except Exception as error:  # no argument, or annotations that cannot be read
             raise InputError(
                 f"{shown(maker)} makes no policy ({type(error).__name__}: {error}): give a class "
-                "or a function whose first argument is the environment"
+                "or a function whose first argument is the plant"
             ) from error
         options: dict[str, Any] = {}
         for one in rest:
@@ -95,11 +87,11 @@ class PolicyKind:
                 usual = Any if one.default in (None, one.empty) else type(one.default)
                 options[one.name] = usual if one.annotation is one.empty else one.annotation
         believes = any(one.name == "belief" for one in rest)
-        return cls(name=name, maker=maker, options=options, believes=believes)
+        return cls(maker=maker, options=options, believes=believes)
 
     @property
     def about(self) -> str:
-        """What the policy does, in a sentence."""
+        """Sentence about the policy, for lists."""
         if self.maker is None:
             return read_card(self.folder).summary or ""
         return (self.maker.__doc__ or "").partition("\n\n")[0].strip()
@@ -115,7 +107,7 @@ class PolicyKind:
 
 
 def _own_maker(name: str, beside: Sequence[str]) -> Callable[..., Policy]:
-    """Returns the class or function of a user's own that a name means."""
+    """Returns the class or function of a user that a name means."""
     if name in _EXAMPLES:
         raise InputError(
             f"policy {name!r} is an example since version 0.3: name it "
@@ -131,16 +123,56 @@ def _own_maker(name: str, beside: Sequence[str]) -> Callable[..., Policy]:
     return found
 
 
+class OwnPolicy:
+    """The policy that a user's class or function `make` returns, with errors that name the policy.
+
+    Attributes:
+        policy: The policy.
+        practice: Number of rollouts in which the policy learns before it is scored.
+    """
+
+    def __init__(
+        self, name: str, motors: int, make: Callable[..., Policy], *given: Any, **options: Any
+    ) -> None:
+        self._name, self._motors = name, motors
+        self.policy = called(f"policy {name!r} cannot be made", make, *given, **options)
+        for method in ("reset", "act"):
+            if not callable(getattr(self.policy, method, None)):
+                raise InputError(
+                    f"policy {name!r} makes {shown(self.policy)}, which has no {method}(): give a "
+                    "function that returns an object with reset() and act(observation)"
+                )
+        self.practice = getattr(self.policy, "practice", 0)
+
+    def reset(self) -> None:
+        """Clears the memory of the policy."""
+        called(f"policy {self._name!r} fails in reset()", self.policy.reset)
+
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Returns the action of the policy, if it is finite and has the right shape."""
+        what = f"policy {self._name!r} fails in act()"
+        found = called(what, lambda: np.asarray(self.policy.act(observation), np.float64))
+        wanted = (*observation.shape[:-1], self._motors)
+        bad = found[~np.isfinite(found)]
+        if found.shape != wanted or bad.size:
+            shape = f"an action of shape {found.shape}"
+            raise InputError(
+                f"policy {self._name!r} returns {shape if found.shape != wanted else bad[0].item()}"
+                f": return finite numbers from -1 to 1 of shape {wanted}"
+            )
+        return found
+
+
 def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = False) -> PolicySpec:
     """Parses and validates the specification of a policy.
 
     Args:
         given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03"; or a
-            dict, such as {"name": "feedforward", "lead": 0.03}, or a JSON file of one. Fields of a
-            field have a dot between them, as in "compensation:wearer.mass=65".
-        beside: Other names that may be given here, for the message about an unknown one.
-        trust: Whether a JSON file may name "package.module:Class", whose code then runs. A file
-            names policies of this package and training runs only if it is not trusted.
+            dict, such as {"name": "feedforward", "lead": 0.03}, or the path of a JSON file with
+            such a dict. A dot separates nested options, as in "compensation:wearer.mass=65".
+        beside: Other valid names, for the message about an unknown name.
+        trust: Whether a JSON file may name "package.module:Class", whose code then runs. Otherwise
+            a file may name only policies of this package and training runs.
     """
     spec = parsed(given, POLICIES, trust=trust)
     kind = PolicyKind.of(spec.name, beside)
@@ -163,10 +195,8 @@ def believes(name: str) -> bool:
 def needed_options(given: AnyPolicy) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 
-    Args:
-        given: A policy, which needs its sensor suites in their units; or the name or folder of a
-            trained one, which needs what it was trained with; or a class of your own without
-            `sensors`, which takes what there is.
+    A policy needs its sensor suites in their units; a trained policy, by name or folder, needs the
+    observation of its training; a class of your own without `sensors` needs nothing.
     """
     return PolicyKind.of(policy_spec(given).name).needs
 
@@ -176,8 +206,8 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
 
     Args:
         given: A policy; see `policy_spec`.
-        env: Environment in which the policy will act, single or vector, wrapped or not; or its
-            plant, which is all of it that the policy gets.
+        env: Environment in which the policy will act, single or vector, wrapped or not; or the
+            plant of the environment, which is the part that a policy gets.
     """
     spec, plant = policy_spec(given), _plant_of(env)
     name, kind = spec.name, PolicyKind.of(spec.name)
@@ -193,18 +223,18 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
     if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
-            f"{', '.join(plant.sensors)}: make it with sensors={list(sensors)}"
+            f"{', '.join(plant.sensors)}: make the environment with sensors={list(sensors)}"
         )
     if needs and name != "none" and plant.normalized:
         raise InputError(
-            f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
-            "without"
+            f"policy {name!r} reads angles in rad, and the environment has normalize=True: use "
+            "normalize=False"
         )
     options = dict(spec.options)
     guarded = options.pop(GUARD, False)
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
     plant = replace(plant, config=belief.of(plant.config))
-    resisting_joints(plant.config)  # a mistake in it is reported here
+    resisting_joints(plant.config)  # reports mistakes of the belief
     if kind.believes:
         options["belief"] = belief
     make = kind.maker if name in POLICIES else partial(OwnPolicy, name, plant.motors, kind.maker)
@@ -213,7 +243,7 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
 
 
 def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Policy:
-    """Returns the policy of a network and its card, by NumPy alone; messages have the name."""
+    """Returns the policy of a network and its card, with NumPy alone; `name` is for messages."""
     policy = trained.TrainedPolicy(card, network, plant, name)
     if card.residual is None:
         return policy
@@ -221,7 +251,7 @@ def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Pol
 
 
 def residual_of(given: AnyPolicy, scale: float) -> Residual:
-    """Returns a policy that a network shall correct as plain data, a suit file as its content."""
+    """Returns a policy that a network corrects as plain data, with the content of a suit file."""
     spec = policy_spec(given)
     if spec.name not in POLICIES:
         raise unknown_name("policy that a network corrects", spec.name, POLICIES)
@@ -233,7 +263,7 @@ def residual_of(given: AnyPolicy, scale: float) -> Residual:
 
 
 def base_of(residual: Residual) -> PolicySpec:
-    """Returns the policy that a network corrects, which runs no code of others."""
+    """Returns the policy that a network corrects; only policies of this package are allowed."""
     name = residual.policy.get("name")
     if name not in POLICIES:
         raise unknown_name("policy that a network corrects", str(name), POLICIES)
@@ -246,5 +276,5 @@ def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:
         return env
     arm = getattr(env, "unwrapped", env)
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
-        raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
+        raise InputError(f"{shown(arm)} is no ActiveSuit environment: give one of ActiveSuit/...")
     return Plant.of(arm.episodes)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from .base import Policy
 
-SCALE, LEAST_SCALE, MOST_SCALE = 0.3, 0.01, 2.0  # shares of the peak torque that it can add
+SCALE, LEAST_SCALE, MOST_SCALE = 0.3, 0.01, 2.0  # greatest correction over the peak torque
 
 
 def corrected(given: Array, correction: NDArray[np.floating[Any]], scale: float) -> Array:
@@ -21,10 +21,9 @@ def corrected(given: Array, correction: NDArray[np.floating[Any]], scale: float)
 
 
 class ResidualPolicy:
-    """A policy that another one corrects.
+    """A policy plus `scale` times the action of a correction.
 
-    The actions of `policy` follow the other parts of the observation of `correction`, whose action
-    times `scale` is the correction.
+    The correction observes the observation followed by the action of `policy`.
     """
 
     def __init__(self, policy: Policy, correction: Policy, scale: float) -> None:
@@ -45,9 +44,9 @@ class ResidualPolicy:
 class Cohorts:
     """A policy in rows whose episodes begin at different times.
 
-    The memory of a policy is of rows that begin together. So rows that begin together are a cohort
-    with a policy of its own. A row that leaves its cohort, because it begins anew, is simulated on
-    there without effect, until all rows have left.
+    A policy needs rows that begin together: these are a cohort with its own policy. When a row
+    begins a new episode, it joins a new cohort; the policy of the old cohort still computes an
+    action for the row, without effect, until all rows have left the cohort.
     """
 
     def __init__(self, make: Callable[[], Policy], rows: int, motors: int) -> None:
@@ -84,5 +83,5 @@ class Cohorts:
         return {**self.__dict__, "_make": None, "_idle": []}
 
     def restore(self, other: "Cohorts") -> None:
-        """Goes on as another one, of which a copy or a pickled one is given."""
+        """Continues from the state of another object, such as an unpickled copy."""
         self._running, self._cohort = other._running, other._cohort

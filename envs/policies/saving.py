@@ -26,21 +26,21 @@ _ACTIVATIONS = {"Tanh": "tanh", "ReLU": "relu"}
 
 
 def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
-    """Makes a policy of a trained network, for every command that takes a policy.
+    """Saves a trained network as a policy, for every command that takes a policy.
 
     Args:
         model: PPO, A2C or SAC of Stable-Baselines3, TQC or RecurrentPPO of sb3-contrib; or, of any
             other learner, the network of the mean action: a `torch.nn.Sequential` of Linear layers
             with Tanh or ReLU between them, whose actions are clipped to -1 and 1 or pass a last
             Tanh, or a `Network` of arrays.
-        folder: Folder of the policy, which is made; one that is there gets new files.
-        env: Environment that the model was trained in, single or vector, wrapped or not.
+        folder: New folder of the policy, or an existing one, whose files are replaced.
+        env: Environment of the training, single or vector, wrapped or not.
     """
     folder, arms = Path(folder), _arms_of(env)
     network, plant = network_of(model), Plant.of(arms.episodes)
     task, config = arms.episodes.task, plant.config.to_dict()
     if not isinstance(config["suit"], str):
-        raise InputError("the environment has a suit that is no file: save it, and name its file")
+        raise InputError("the environment's suit has no file: save the suit, and name the file")
     name = f"{OURS}{task.name}-v0"
     if TASKS.get(task.name) is not task:
         raise InputError(
@@ -62,11 +62,11 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
     if belief is not None:
         suit = belief.to_dict()["suit"]
         if not isinstance(suit, str):
-            raise InputError("the believed suit is no file: save it, and name its file")
+            raise InputError("the believed suit has no file: save the suit, and name the file")
         suit = suit if suit == NO_SUIT else portable(suit)
         seen["belief"] = {**belief.to_dict(), "suit": suit}
     environment = {"env": name, **{field: config[field] for field in ARM}, **seen}
-    if plant.config.payload.inertia is None:  # as `activesuit train` has it
+    if plant.config.payload.inertia is None:  # as in cards of `activesuit train`
         environment["payload"] = {"mass": plant.config.payload.mass}
     card = card_of(
         plant,
@@ -167,7 +167,7 @@ def _layered(
 
 
 def layers_of(layers: Iterable[Any]) -> dict[str, NDArray[np.float32]]:
-    """Returns the weights of the linear layers of torch among some, by their names in a network."""
+    """Returns the weights of those layers that are Linear of torch, by their names in a network."""
     from torch import nn
 
     found = {}

@@ -20,12 +20,10 @@ _FIXES: dict[Any, str] = {
 
 @dataclass(frozen=True)
 class PolicySpec:
-    """A policy as plain data: which one, and what differs from its usual options.
+    """A policy as plain data: its name, and the options that are not the default ones.
 
-    Attributes:
-        name: Name among `POLICIES` or `shipped_policies`, the folder of a training run, or
-            "package.module:Class" for a class of your own.
-        options: Values of its options by name.
+    The name is one of `POLICIES` or `shipped_policies`, the folder of a training run, or
+    "package.module:Class" for a class of your own.
     """
 
     name: str
@@ -36,7 +34,7 @@ class PolicySpec:
         return f"{self.name}:{flat}" if flat else self.name
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns plain values: the name and the options beside it."""
+        """Returns plain values: the name, and each option by name."""
         return {"name": self.name, **self.options}
 
 
@@ -50,12 +48,9 @@ def is_saved(text: str) -> bool:
 
 
 def parsed(given: AnyPolicy, names: Container[str], *, trust: bool) -> PolicySpec:
-    """Returns a policy as data, with options that are not checked yet.
+    """Returns a policy as data, with unchecked options; `given` and `trust` as in `policy_spec`.
 
-    Args:
-        given: A policy; see `policy_spec`.
-        names: Names of policies, after which a colon begins options and no class.
-        trust: Whether a JSON file may name "package.module:Class".
+    After one of `names` a colon begins options; after other names a colon begins a class.
     """
     if isinstance(given, PolicySpec):
         return given
@@ -86,7 +81,7 @@ def parsed(given: AnyPolicy, names: Container[str], *, trust: bool) -> PolicySpe
             place = place.setdefault(part, {}) if isinstance(place, dict) else None
         if not isinstance(place, dict):
             raise InputError(
-                f"policy {given!r} has {'.'.join(outer)!r} as a value and with fields: give one"
+                f"policy {given!r} has {'.'.join(outer)!r} with a value and with fields: give one"
             )
         if last in place:
             raise InputError(f"policy {given!r} has the option {name!r} twice: give it once")
@@ -124,7 +119,7 @@ def _flat(options: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
 
 
 def typed(what: str, value: Any, kind: Any) -> Any:
-    """Returns a value as the type of its option, also where it is the text of one."""
+    """Returns a value, or a text of that value, as the type of its option."""
     if isinstance(value, bool) and kind in (int, float):
         raise InputError(f"{what} is {value}: give a number")
     try:

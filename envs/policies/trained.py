@@ -41,8 +41,8 @@ def folder_of(name: str) -> str | None:
 def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Returns the scene in which the policy of a folder was trained.
 
-    These are the id of the environment as "env", and its options as plain data, so that
-    `gymnasium.make(scene.pop("env"), **scene)` makes it.
+    The scene is the id of the environment as "env" and the options as plain data:
+    `gymnasium.make(scene.pop("env"), **scene)` makes the environment.
     """
     folder = Path(folder)
     path, found = folder / CARD, dict(read_card(folder).environment)
@@ -64,7 +64,7 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Returns how a policy was trained: algo, seed, steps, and what else its card says."""
+    """Returns the data of a policy's training: algo, seed, steps and others of its card."""
     path, found = Path(folder) / CARD, dict(read_card(folder).training)
     algo = found.get("algo")
     if not isinstance(algo, str):
@@ -79,14 +79,14 @@ def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def portable(suit: str) -> str | dict[str, Any]:
-    """Returns a suit for a card: the name of a shipped one, or the content of a file."""
+    """Returns a suit as a card keeps it: the name of a shipped suit, or the content of a file."""
     if suit in suit_names():
         return suit
     return json.loads(load_suit(suit).model_dump_json(exclude_none=True))
 
 
 def check_portable(suit: Any) -> None:
-    """Refuses a suit of a card that names a file, as a card of others could name any."""
+    """Refuses a suit of a card that names a file, since a foreign card could name any file."""
     if isinstance(suit, str) and suit not in (NO_SUIT, *suit_names()):
         raise InputError(
             f"the card names the suit {shown(suit)}: a card names shipped suits, or has the "
@@ -95,7 +95,7 @@ def check_portable(suit: Any) -> None:
 
 
 class TrainedPolicy:
-    """Takes the mean action of a trained network, by NumPy alone; messages have the name."""
+    """Acts by the mean action of a trained network, with NumPy alone; `name` is for messages."""
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
         trained, here = card.observation, observed(plant)
@@ -103,14 +103,14 @@ class TrainedPolicy:
             part = next((part for part in here if trained.get(part) != here[part]), "observation")
             raise InputError(
                 f"the policy in {name!r} was trained with the {part} {shown(trained.get(part))}, "
-                f"and the environment has {shown(here[part])}: make it with the sensors that the "
-                "policy was trained with, or train again"
+                f"and the environment has {shown(here[part])}: make the environment with the "
+                "sensors of the training, or train again"
             )
         self._network = network
         self._memory: Array | None = None
 
     def reset(self) -> None:
-        """Forgets what a network with memory has seen."""
+        """Clears the memory of the network."""
         self._memory = None
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:

@@ -96,10 +96,10 @@ VALIDATE = {
     "cut.json": "not complete JSON",
     "mock-suit --plant mock-suit --out other": FULL,
     "emu-like --plant mock-suit --motions 7": "motions is 7: use at least 8",
-    "emu-like --plant emu-like --policy compensation:suit=mock-suit": "has a suit: leave that out",
+    "emu-like --plant emu-like --policy compensation:suit=mock-suit": "the option suit: leave the",
     "mock-suit --plant nope": "unknown suit 'nope'",
     "mock-suit --samples --held-out elbow.csv": "leave one out",
-    "mock-suit --samples": "'mock-suit' has no samples of what",
+    "mock-suit --samples": "'mock-suit' has no samples: identify",
     "mock-suit --plant mock-suit --policy magic": "unknown policy 'magic'",
     "emu-like --plant mock-suit --joint elbow_flexion": "add --held",
     "mock-suit --held-out other.csv": "give --joint",
@@ -157,8 +157,8 @@ BENCHMARK = {
     "run x.jsonl": "run takes no results",
     "run --suite huge": "unknown suite 'huge'",
     "run --policies compensation:leed=1": "did you mean 'lead'",
-    "run --suit none --out out": "and the suite decides it",
-    "run --reward mine:reward --out out": "and the suite decides it",
+    "run --suit none --out out": "the suite sets the option suit",
+    "run --reward mine:reward --out out": "the suite sets the option reward",
     "table": "there are no results",
     "table nowhere": "cannot read the results",
 }
@@ -226,7 +226,7 @@ TRAIN = {
 }
 BEGUN = {  # what shows when the arms act, after the folder of the training is made
     "--residual adaptive --sensors encoders": "needs the sensors encoders, inter",
-    "--residual compensation --normalize": "normalize=True: make it without",
+    "--residual compensation --normalize": "normalize=True: use normalize=False",
     "--reward own_rewards:nan": "is nan in row 0 of",
     "--reward own_rewards:scalar": "has the shape ()",
     "--reward own_rewards:failing": "fails (KeyError",

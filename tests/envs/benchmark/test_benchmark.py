@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from activesuit.assets import load_suit, save_suit
 from activesuit.envs.benchmark import SUITES, Setting, run_trial, suite
-from activesuit.envs.benchmark.results import Result, lines, read_results
+from activesuit.envs.benchmark.results import lines, read_results
 from activesuit.envs.benchmark.standings import Standings
 from activesuit.envs.benchmark.suites import SUITE_TASKS
 from activesuit.envs.evaluation import FIRST_SEED, evaluate
@@ -16,9 +16,9 @@ from activesuit.envs.policies import POLICIES, PolicySpec
 from activesuit.envs.policies.trained import shipped_policies
 from activesuit.envs.tasks import TASKS
 from helpers import assert_refused, short_benchmark
+from helpers import made_result as made
 
 MOTIONS = 8
-PROTOCOL = {"contract": "abc"}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -105,13 +105,6 @@ def test_standings(results):
     assert profile.tolist() == [1, 1, 0]
 
 
-def made(**changes) -> Result:
-    usual = {"task": "Scoop", "level": "nominal", "believed": "mock-suit", "policy": "none"}
-    usual |= {"options": {"name": "none"}, "effort": (0.1, 0.2), "tracking": (0.01, 0.02)}
-    usual |= {"success": (True, False), "failed": None, "protocol": PROTOCOL, **changes}
-    return Result(**{"assisted_effort": usual["effort"], **usual})
-
-
 def test_the_best_known_plan_is_no_worse_than_a_policy_that_succeeds_whatever_it_believes():
     place = {"level": "shift", "success": (True, True, False)}
     place["tracking"] = (0.01, 0.01, 0.01)
@@ -183,13 +176,19 @@ def test_results_go_through_a_file(tmp_path):
 
 def test_results_that_cannot_be_merged(tmp_path):
     rows = [
-        (lines([made(protocol={"contract": "x"})]), "contract 'x', and those before .*'abc'"),
+        (
+            lines([made(protocol={"contract": "x"})]),
+            "contract 'x', and earlier results have 'abc'",
+        ),
         (lines([made(effort=(0.3, 0.3))]), "different results of none in Scoop at nominal"),
         ("{}\n", "line 1, is no result of the benchmark"),
         (lines([made(effort=(0.1,))]), "series of different lengths"),
         (lines([made(task="Knee")]), "line 1, has the task 'Knee': delete it"),
         (lines([made(policy="a" * 201)]), "at most 200 characters"),
-        (lines([made(protocol={**PROTOCOL, "episodes": 10**9})]), "has 2 motions and says 100000"),
+        (
+            lines([made(protocol={"contract": "abc", "episodes": 10**9})]),
+            "has 2 motions, and its protocol 100000",
+        ),
     ]
     (tmp_path / "a.jsonl").write_text(lines([made()]))
     for content, message in rows:

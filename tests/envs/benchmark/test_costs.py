@@ -8,7 +8,7 @@ import pytest
 from activesuit.envs.benchmark import Leaderboard, Setting
 from activesuit.envs.benchmark.results import Result, lines, read_results
 from activesuit.envs.benchmark.standings import Standings, cost_over, measures_of
-from helpers import assert_refused
+from helpers import assert_refused, made_result
 
 MOTIONS = 8
 HERE = Setting("ElbowFlexion", "nominal", "emu-like")
@@ -23,12 +23,9 @@ def heat(watts, other=None, **facts):
 
 
 def result(policy, setting=HERE, score=None, **changes):
-    size = (0.1,) * MOTIONS
-    usual = {"effort": size, "assisted_effort": size, "tracking": size}
-    usual |= {"success": (True,) * MOTIONS, "failed": None, "protocol": {"contract": "abc"}}
-    extra = {} if score is None else {"toy": score}
-    fields = {**setting._asdict(), **usual, "extra": extra, **changes}
-    return Result(policy=policy, options={"name": policy}, **fields)
+    usual = {**dict.fromkeys(("effort", "tracking"), (0.1,) * MOTIONS), **setting._asdict()}
+    usual |= {"success": (True,) * MOTIONS, "extra": {} if score is None else {"toy": score}}
+    return made_result(policy=policy, **{**usual, **changes})
 
 
 SCORES = {"unsuited": heat(90.0), "suited": heat(110.0), "compensation": heat(95.0, 100.0)}

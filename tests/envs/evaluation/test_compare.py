@@ -5,16 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.assets import CURVES, Suit, curves_path, load_suit
+from activesuit.assets import load_suit
 from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation import evaluate
+from activesuit.envs.evaluation import BOUNDS, evaluate
 from activesuit.envs.evaluation.best_known_plan import rationed
 from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.interface.reward import COSTS
 from activesuit.envs.model import Exo
 from activesuit.envs.policies import NoAssist, make_policy
-from activesuit.identification import fit_curves, load_curves
 from helpers import assert_refused, shorten_tasks, without_volume_shares
 from scipy.optimize import minimize
 from scipy.signal import lfilter
@@ -47,23 +46,11 @@ def short():
 
 
 @pytest.fixture(scope="module")
-def believed(tmp_path_factory):
-    """A suit file with certified fits of the shipped curves: what a user's controller believes."""
-    curves = {joint: load_curves(curves_path(name)) for name, joint in CURVES.items()}
-    fits = {joint: fit_curves(one, seed=1) for joint, one in curves.items()}
-    path = tmp_path_factory.mktemp("suit") / "identified.json"
-    Suit.from_fits(fits).save(path)
-    return str(path)
-
-
-@pytest.fixture(scope="module")
-def weightless(short, believed):
-    """Everything there is, on short motions without gravity; and how many motions were told."""
+def weightless(short):
+    """Policies, references and bounds on short motions without gravity."""
     reported = {}
-    shipped = ("none", "gravity", "oracle", "clairvoyant-suit", "best-known-plan")
-    policies = {"mine": Push, **{name: name for name in shipped}}
-    for name in ("feedforward", "compensation"):
-        policies[name] = {"name": name, "suit": believed}
+    shipped = ("none", "gravity", "oracle", "feedforward", "compensation")
+    policies = {"mine": Push, **{name: name for name in (*shipped, *BOUNDS)}}
     found = evaluate(
         ENV,
         policies,
@@ -97,7 +84,6 @@ def test_what_each_policy_gives_back(weightless):
     rewards = {name: np.mean(weightless.scores[name].reward) for name in order}
     assert rewards["mine"] < rewards["none"] < rewards["feedforward"] < rewards["best-known-plan"]
     assert relief["gravity"] == pytest.approx(relief["none"], abs=1e-6)  # nothing has weight
-    # Certified fits of the shipped curves are nearly as good as the true suit.
     assert weightless.share_of_bound("feedforward", "clairvoyant-suit").value > 0.6
     assert relief["feedforward"] == pytest.approx(relief["oracle"], abs=0.15)
     assert weightless.share_of_bound("best-known-plan").value == pytest.approx(1)
@@ -242,16 +228,20 @@ def test_named_policies_see_units_whatever_others_see(short):
 
 def test_mistakes(short):
     rows = [
-        (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
+        (["none"], {"suit": "none"}, "references need a suit, and suit is 'none': name a suit"),
         (["nune"], {}, "unknown policy 'nune'.*'none'"),
         (["none"], {"motions": 0}, "motions is 0"),
         ([], {}, "no policy given"),
         ("none", {}, r"policies is 'none': give a list"),
-        (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
+        (["suited"], {}, "policy 'suited' is a reference without exoskeleton: leave it out"),
         ({"mine": NoAssist, "push": 0.2}, {}, r"policy 'push' is 0\.2: give a name, or a function"),
         (["best-known-plan"], {"coupling": "none"}, "'best-known-plan' needs motors, and coupling"),
         ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': name each one once"),
-        (["none"], {"learned_torque": True}, "is what evaluate sets itself: leave it out"),
+        (
+            ["none"],
+            {"learned_torque": True},
+            "evaluate sets learned_torque itself: leave ",
+        ),
         (["none"], {"settled": False}, "'settled' was a name of version 0.2: write 'adapted'"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
     ]

@@ -4,13 +4,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-from activesuit.envs.benchmark import Result
 from activesuit.envs.benchmark.leaderboard import benchmark_remarks
 from activesuit.envs.benchmark.results import lines, read_results
 from activesuit.envs.evaluation.reasons import Oscillation, Reason, most_frequent
 from activesuit.envs.evaluation.sentences import why_remarks
 from activesuit.envs.tasks.task import EVERYWHERE, TOLERANCES
 from activesuit.scripts.main import main
+from helpers import made_result
 
 HAND = Reason("hand_error", 0.065, 0.03, "m", 10.5, None)
 EFFORT = Reason("effort", 0.229, 0.15, "1", 54.0, "shoulder_flexion")
@@ -69,21 +69,7 @@ def test_every_limit_has_words():
 
 
 def test_a_benchmark_names_the_task_and_keeps_the_reasons(tmp_path):
-    values = (0.2, 0.2)
-    one = Result(
-        task="Scoop",
-        level="shift",
-        believed="mock-suit",
-        policy="mine",
-        options={},
-        failed=None,
-        protocol={"contract": "a"},
-        effort=values,
-        assisted_effort=values,
-        tracking=values,
-        success=(False, True),
-        why=most_frequent([(HAND,), ()]),
-    )
+    one = made_result(level="shift", policy="mine", why=most_frequent([(HAND,), ()]))
     why = most_frequent([(HAND, SWING)] * 2)
     other = replace(one, task="Hammer", success=(False, False), why=why)
     (said,) = benchmark_remarks([one, other])

@@ -132,7 +132,7 @@ def test_what_cannot_be_used():
         (lambda: ratio_interval(VALUES, VALUES - 4.5), "the denominators sum to 0: a ratio needs"),
         (lambda: interval_of(np.mean), "no series is given: give at least one"),
         (lambda: interval_of(np.mean, VALUES), r"the statistic returns shape \(\) for means of sh"),
-        (lambda: interval_of(np.log, VALUES - 9), "is nan with a standard error of nan: give one"),
+        (lambda: interval_of(np.log, VALUES - 9), "is nan with a standard error of nan: give a"),
         (lambda: mean_interval(VALUES, level=1.0), "level is 1.0: use a number from 0.5 to 0.99"),
         (lambda: mean_interval(VALUES, resamples=10), "resamples is 10: use at least 200"),
         (lambda: mean_interval(VALUES, seed=-1), "seed is -1: use at least 0"),

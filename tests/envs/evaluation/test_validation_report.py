@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from activesuit.envs.evaluation.validation_sentences import answer
+from activesuit.envs.evaluation.sentences import answer
 
 NOISE = 0.001 * np.array([1, -1, 2, -2, 1, -1, 2, -2])
 INTERVAL = SimpleNamespace(value=0.05, low=0.03, high=0.09)

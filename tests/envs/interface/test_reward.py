@@ -212,6 +212,6 @@ def test_own_rewards_that_cannot_be():
         (5, "the reward is 5: give a function"),
     ]
     assert_refused(lambda given: steps(ArmEnv("ArmTracking", reward=given), 1, 2), rows)
-    message = "scores are those of the shipped reward"
+    message = "scores need the shipped reward"
     given = {"motions": 8, "reward": shipped}
     assert_refused(lambda: evaluate("ActiveSuit/ArmTracking-v0", ["none"], **given), [(message,)])

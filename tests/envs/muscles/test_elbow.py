@@ -83,7 +83,6 @@ def test_bad_input():
         ({"contraction": -1}, "contraction is -1: use a number from 0 to 15 N·m"),
         ({"contraction": "much"}, "contraction is 'much'"),
         ({"push": np.nan}, "push is nan"),
-        ({"knows_suit": 3}, "knows_suit is 3"),
     ]
     assert_refused(lambda options: MuscleElbow(**options), rows)
     row = ("ActiveSuit/MuscleElbow-v0", ["none"], "is no arm of ActiveSuit")

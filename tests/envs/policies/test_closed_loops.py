@@ -14,6 +14,7 @@ from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import effort_metrics
 from activesuit.envs.policies import POLICIES, make_policy, needed_options
 from helpers import assert_refused, shorten_tasks
+from shown import asked
 
 NAIVE = {"references": False, "adapted": False}
 
@@ -31,22 +32,13 @@ def test_gravity_compensation_carries_the_weight(monkeypatch):
     assert weightless.scores["gravity"].assist_energy == pytest.approx((0,), abs=1e-9)
 
 
-def acted(name, env, angle, rate):
-    """Returns the torque that a policy gives at a pose [N·m]."""
-    observation = np.zeros(env.observation_space.shape, np.float32)
-    observation[env.layout["angle"]], observation[env.layout["rate"]] = angle, rate
-    policy = make_policy(name, env)
-    policy.reset()
-    return policy.act(observation) * env.episodes.simulation.addresses.peak_torque
-
-
 def test_policies_are_sums_of_weight_suit_and_friction():
     env, pose = ArmEnv(gravity="mars", payload={"mass": 1.0}), [0.0, 0.8, 1.1, 0.0]
     still, turning = np.zeros(4), np.array([0.0, 1.0, -1.0, 0.0])
     motors = [env.config.exo.motors[joint] for joint in ASSISTED]
     for rate in (still, turning):
         names = ("none", "transparent", "gravity", "feedforward", "complement", "compensation")
-        parts = {name: acted(name, env, pose, rate) for name in names}
+        parts = {name: asked(make_policy(name, env), env, angle=pose, rate=rate) for name in names}
         turned = rate[[1, 2]]
         coulomb = np.array([motor.coulomb for motor in motors])
         viscous = np.array([motor.viscous for motor in motors])
@@ -138,14 +130,12 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
 
 def test_rows_refuse_what_a_class_of_your_own_does_anew():
     class Slow(ArmEnv):
-        duration = 0.5
-
         def step(self, action):
             return super().step(0.5 * action)
 
     gymnasium.register("Mine/Slow-v0", entry_point=Slow)
     try:
-        message = "'Mine/Slow-v0' overrides duration, step of ArmEnv, which the vector"
+        message = "'Mine/Slow-v0' overrides step of ArmEnv, which the vector"
         assert_refused(make_arms, [("Mine/Slow-v0", 2, message)])
     finally:
         del gymnasium.registry["Mine/Slow-v0"]

@@ -1,4 +1,4 @@
-"""The controllers of docs/controllers.md, beside the shipped ones and as commands."""
+"""The controllers of docs/controllers.md, beside the shipped ones."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy
-from helpers import fails, run, shorten_tasks
 
 PAGE = Path(__file__).parents[3] / "docs" / "controllers.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
@@ -20,7 +19,6 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "my_policies.py").write_text(CLASSES, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
-    shorten_tasks(monkeypatch, 1.0)
     return tmp_path
 
 
@@ -60,11 +58,3 @@ def test_the_observer_finds_what_the_shipped_one_finds(folder):
     difference = actions("my_policies:Observed") - actions("observer")
     assert np.abs(difference).max() < 0.15  # the friction, which the shipped one knows
     assert np.abs(actions("my_policies:Observed") - actions("gravity")).max() > 0.05
-
-
-def test_from_the_file_to_a_score(folder, capsys):
-    few = ["evaluate", "--task", "ElbowFlexion", "--motions", "8", "--unadapted", "--json"]
-    name = "my_policies:PDPlusSuit:kp=5"
-    assert name in run(capsys, *few, "--policies", name)
-    message = fails(capsys, *few, "--policies", "my_policies:PDPlusSuit:ki=5")
-    assert "unknown option of policy 'my_policies:PDPlusSuit' 'ki'" in message

@@ -126,7 +126,7 @@ def test_mistakes_in_what_names_a_policy(outside):
         ("compensation:lead=fast", "option lead of policy 'compensation' is 'fast': .*number"),
         ("compensation:lead=1,lead=2", "has the option 'lead' twice: give it once"),
         ("compensation:guard=maybe", "option guard .* is 'maybe': use true or false"),
-        ("os:getcwd", "makes no policy .* whose first argument is the environment"),
+        ("os:getcwd", "makes no policy .* whose first argument is the plant"),
         ("compensation:lead", "has 'lead': give options as option=value"),
         ("nowhere:Class", "the policy 'nowhere:Class' cannot be imported"),
         ("outside:NUMBER", "the policy 'outside:NUMBER' is 3: name a class or a function"),

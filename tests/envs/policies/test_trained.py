@@ -94,7 +94,7 @@ def changed(**more):
 
 def test_networks_that_do_not_fit_together():
     rows = [
-        ({}, "no layer.0.weight: give it"),
+        ({}, "no layer.0.weight: add this array"),
         (changed(layer_1_bias=[0.0, 0.0]), "give an array of NumPy with 1 dimensions"),
         (changed(layer_1_bias=np.zeros(2, int)), "float32 or float64"),
         (changed(layer_1_bias=np.zeros(3)), r"layer.1.bias has the shape \(3,\)"),
