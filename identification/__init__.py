@@ -1,6 +1,7 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
-from .corrections.corrections import Corrections, averaged_cycles
+from .corrections.corrections import Corrections
+from .corrections.cycles import averaged_cycles
 from .data.curves import Curve, Curves
 from .data.files import Motion, load_curves, load_motion, save_curves, save_motion
 from .data.motions import Design, first_order_motions, measure, multi_order_motion, nested_motion

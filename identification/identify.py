@@ -6,7 +6,8 @@ from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError
-from .corrections.corrections import Corrections, averaged_cycles, cycles_of
+from .corrections.corrections import Corrections
+from .corrections.cycles import averaged_cycles, cycles_of
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import questions

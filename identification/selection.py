@@ -11,7 +11,8 @@ from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, unknown_name
-from .corrections.corrections import Corrections, is_open
+from .corrections.corrections import Corrections
+from .corrections.tare import is_open
 from .data.curves import Curve, Curves
 from .data.files import Motion
 from .data.parts import Question, questions

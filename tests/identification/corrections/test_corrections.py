@@ -14,7 +14,7 @@ from activesuit.identification import (
     fit_curves,
     select,
 )
-from activesuit.identification.corrections.corrections import cycles_of
+from activesuit.identification.corrections.cycles import cycles_of
 from activesuit.identification.corrections.softening import Count
 from activesuit.identification.figures import compared, loops_plot
 from helpers import along, assert_refused, family, sweep
