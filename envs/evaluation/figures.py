@@ -57,15 +57,13 @@ def trajectory_plot(traces: Traces) -> Plot:
 
 
 def motion_loops_plot(traces: Traces) -> Plot:
-    """Returns suit resistance and human torque over the joint angle, a line per policy."""
-    resistance = {name: (one.angle, -one.suit_torque) for name, one in traces.items()}
-    human = {name: (one.angle, one.human_torque) for name, one in traces.items()}
+    """Returns the suit's resistance over the joint angle, a line per policy."""
     panels = []
-    for label, loops in (("suit resistance", resistance), ("human torque", human)):
-        for title, at in zip(TITLES, ASSISTED_COLUMNS, strict=True):
-            marks = [Line(x[:, at], y[:, at], name, width=1) for name, (x, y) in loops.items()]
-            panels.append(Panel(x="angle [rad]", y=f"{label} [N·m]", marks=marks, title=title))
-    return Plot(title="Torques over angle", panels=panels, columns=len(ASSISTED))
+    for title, at in zip(TITLES, ASSISTED_COLUMNS, strict=True):
+        loops = {name: (one.angle[:, at], -one.suit_torque[:, at]) for name, one in traces.items()}
+        marks = [Line(*loop, name, width=1) for name, loop in loops.items()]
+        panels.append(Panel(x="angle [rad]", y="suit resistance [N·m]", marks=marks, title=title))
+    return Plot(title="Torque of the suit over angle", panels=panels, columns=len(ASSISTED))
 
 
 def strain_plot(traces: Traces) -> Plot:
