@@ -97,7 +97,7 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
     kind = type(arm)
     parents = kind.__mro__[: kind.__mro__.index(ArmEnv)]
     own = {name for one in parents for name in vars(one) if not name.startswith("_")}
-    overridden = sorted(own & {*dir(ArmEnv)} - {"metadata"})
+    overridden = sorted(own & {*dir(ArmEnv), *vars(arm)} - {"metadata"})
     if overridden:
         raise InputError(
             f"{env_id!r} overrides {', '.join(overridden)} of ArmEnv, which the vector environment "

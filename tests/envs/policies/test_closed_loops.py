@@ -130,12 +130,14 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
 
 def test_rows_refuse_what_a_class_of_your_own_does_anew():
     class Slow(ArmEnv):
+        duration = 0.5
+
         def step(self, action):
             return super().step(0.5 * action)
 
     gymnasium.register("Mine/Slow-v0", entry_point=Slow)
     try:
-        message = "'Mine/Slow-v0' overrides step of ArmEnv, which the vector"
+        message = "'Mine/Slow-v0' overrides duration, step of ArmEnv, which the vector"
         assert_refused(make_arms, [("Mine/Slow-v0", 2, message)])
     finally:
         del gymnasium.registry["Mine/Slow-v0"]
