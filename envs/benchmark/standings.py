@@ -206,7 +206,7 @@ class Standings:
 def _over_motions(values: Iterable[Array]) -> Interval | None:
     """Returns the interquartile mean of values of settings, with the interval over motions.
 
-    Motions count that all settings have.
+    Only the motions that all settings have are counted.
     """
     values = [*values]
     if not values:

@@ -73,7 +73,7 @@ def drawn_policies(name: str, scored: Mapping[str, Scored]) -> list[str]:
 def cost_remarks(name: str, scored: Mapping[str, Scored], costs: Costs) -> Iterator[str]:
     """Yields sentences about limits of the numbers of an evaluation, and the cost of the suit.
 
-    The sentence about a limit has the policy that exceeds the limit most.
+    The sentence about a limit names the policy that exceeds the limit most.
     """
     score = SCORES.find(name)
     for limit, (least, sentence) in score.limits.items():
