@@ -17,11 +17,10 @@ REMAKE = "restore or remake it"
 Model = TypeVar("Model", bound=BaseModel)
 
 
-def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any:
+def read_json(path: str | os.PathLike[str], what: str) -> Any:
     """Returns the content of a JSON file (UTF-8, with or without a byte order mark).
 
-    `what` names the file in the error sentence ("suit"), and `fix` says what to do with a file that
-    is no JSON.
+    `what` names the file in the error sentence ("suit").
     """
     content = content_of(path, what, LARGEST)
     try:
@@ -30,7 +29,7 @@ def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any
         raise InputError(
             f"cannot read the {what} {shown(str(path))}: not a UTF-8 text file"
         ) from error
-    return parse_json(text, str(path), fix)
+    return parse_json(text, str(path))
 
 
 def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = REMAKE) -> Model:

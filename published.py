@@ -16,8 +16,6 @@ LI_TURNS = {
     "elbow": (0.87, 1.05, 1.22, 1.40, 1.57),
 }
 LI_RANGES = {joint: (LI_LOWEST[joint], turns[-1]) for joint, turns in LI_TURNS.items()}
-# Section 5.3: the turns of the curves that the identified models predict [rad].
-LI_PREDICTED_TURNS = {"shoulder": (0.70, 1.05), "elbow": (1.05, 1.40)}
 
 # Table 1: the search bounds of Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
 LI_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))

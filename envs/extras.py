@@ -52,20 +52,16 @@ class Score:
             `threads`, where 0 is all cores, and `on_motion`, a function to call after each motion.
         least: Least cost of a suit for relief to have a meaning, by the name of a cost.
         units: Units of costs and facts by name, "1" for a ratio.
-        text: Explanation of the costs and facts, in Markdown.
         limits: Facts that limit a score: the value from which a report says so, and the sentence.
         figure: Function that draws some motions, by the name of each; None for no figure.
-        packages: Names of the packages whose versions change costs.
     """
 
     check: "Callable[[Simulation], None]"
     scored: Callable[..., Scored]
     least: Mapping[str, float]
     units: Mapping[str, str]
-    text: str
     limits: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     figure: "Callable[[Mapping[str, Trace]], Figure] | None" = None
-    packages: tuple[str, ...] = ()
 
 
 class Registry(Generic[Extra]):

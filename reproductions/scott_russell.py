@@ -5,9 +5,9 @@ Eq. (1) and (2) are read as
     h' = alpha V' - beta |V'| |h|^(n-1) h - gamma V' |h|^n,    m x'' + c x' + k x = k d_e (V - h)
 
 with h in volts. In print the right side is k (d_e V - h), which adds meters to volts: literally,
-the parameters of Table 2 swing x by meters instead of 7.4 um. For n = 1 this is the same as
-`BoucWen.from_kao_fung`, where h is in the unit of d_e V; for other n, its beta and gamma are ours
-times d_e^(1-n).
+the parameters of Table 2 swing x by meters instead of 7.4 um. The right side is the torque of the
+package's `BoucWen` at the angle V with elastic = k d_e, hysteretic = -k, A = alpha d_e, and beta
+and gamma times d_e^(1-n).
 
 Only c/m and k/m move x: m cannot be identified from x, and Table 2's m, c, k mean f_n and zeta.
 """

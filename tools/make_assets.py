@@ -23,9 +23,11 @@ from ..identification import (
     multi_order_motion,
     save_curves,
 )
-from ..published import LI_LOWEST, LI_PREDICTED_TURNS, LI_TURNS
+from ..published import LI_LOWEST, LI_TURNS
 
 SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
+# Section 5.3: the turns of the curves that the identified models predict [rad].
+PREDICTED_TURNS = {"shoulder": (0.70, 1.05), "elbow": (1.05, 1.40)}
 PUBLISHED = {joint: TABLE_2[f"{joint}-sa-pso"] for joint in ("shoulder", "elbow")}
 MOTIONS, REVERSALS = 3, 8  # random motions that turn more than once, within the fitted range
 ANGLE_STEP = 0.004  # rad between samples: 785 and 1051 samples in the fitted curves
@@ -73,7 +75,7 @@ def curve_family(joint: str, rng: np.random.Generator) -> Curves:
         first_order_motions(LI_TURNS[joint], start_angle=LI_LOWEST[joint], angle_step=ANGLE_STEP),
         rng=rng,
         noise_fraction=NOISE,
-        predict=[f"{turn:.2f}" for turn in LI_PREDICTED_TURNS[joint]],
+        predict=[f"{turn:.2f}" for turn in PREDICTED_TURNS[joint]],
     )
 
 

@@ -126,14 +126,28 @@ def duhem(rng: np.random.Generator) -> Truth:
     rate = np.exp(rng.uniform(1, 3, 2))
     limit = rng.uniform(0.3, 1.0, 2) * (1, -1)
     elastic = rng.uniform(0.5, 2)
-    model = Duhem.from_limits(
-        rate_up=rate[0],
-        limit_up=limit[0],
-        rate_down=rate[1],
-        limit_down=limit[1],
-        spring=(-elastic * low, elastic),
-    )
+    model = semilinear(rate, limit, (-elastic * low, elastic))
     return scaled(model.response, low, high)
+
+
+def semilinear(rate: Array, limit: Array, spring: tuple[float, float]) -> Duhem:
+    """Returns the model of a torque with one limit upwards and another limit downwards.
+
+        T = p(theta) + y,    dy = rate[0] (limit[0] - y) dtheta   upwards
+                             dy = rate[1] (y - limit[1]) dtheta   downwards
+
+    The spring has the constant and the slope of p. Both slopes of y are equal at y0 = (rate[0]
+    limit[0] + rate[1] limit[1]) / (rate[0] + rate[1]), between the limits. With z = y - y0, and y0
+    as a part of the spring, the limits of z have opposite signs.
+    """
+    width = limit[0] - limit[1]
+    up = rate[1] / (rate[0] + rate[1]) * width
+    return Duhem(
+        spring=(spring[0] + limit[0] - up, spring[1]),
+        stiffness=rate[0] * up,
+        friction_up=up,
+        friction_down=width - up,
+    )
 
 
 def pinched(rng: np.random.Generator) -> Truth:

@@ -1,6 +1,5 @@
 """What a controller believes of the arm: the suit's torque, weight, inertia and levers."""
 
-from ..model.exoskeleton import count_of
 from .arm import Belief, BelievedArm
 from .rigid import BelievedWeight, CuffLevers
 from .suit import LEAD, BelievedSuit, JointBelief, belief_of
@@ -14,5 +13,4 @@ __all__ = [
     "CuffLevers",
     "JointBelief",
     "belief_of",
-    "count_of",
 ]

@@ -1,10 +1,9 @@
 """The benchmark as tables, sentences, a page and a figure."""
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Iterator, Sequence
 from json import loads
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,15 +12,13 @@ from ...plots import Line, Panel, Plot
 from ...tables import Rows, markdown_table
 from ...text import without_markup
 from ..domain.levels import COMPARED
-from ..evaluation.extra_scores import cost_table, limit_remarks
 from ..evaluation.reasons import Frequent
 from ..evaluation.sentences import exceeded, motions_text
 from ..evaluation.statistics import interval_text
-from ..extras import SCORES, STANDARD
 from ..policies import POLICIES, needed_options
 from ..policies.trained import shipped_policies
 from .results import Result
-from .standings import EFFORT, FIXED, MARGIN, Measure, Standings, cost_over, measures_of
+from .standings import FIXED, MARGIN, Standings
 from .suites import BASELINE, BELIEVED, SUITES, VERSION, Setting
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
@@ -42,51 +39,29 @@ READING = (
     "that knows the true suit and the whole motion; it is the bound, not a controller."
 )
 CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
-COSTS = (
-    "Each row is a policy: the mean of a cost over motions and settings, the share of the suit's "
-    "cost that is given back, as above, and the range of that over all conventions. By task each "
-    "cell has the mean cost, then its relief."
-)
 LOWEST = -1.0  # relief at which the figure begins
 MOST_COLORED = 8  # policies
 FAINT = "#b9bdc4"
 
 
-class Said(NamedTuple):
-    """Presentation of one score of an extra: text in Markdown, tables by title, remarks."""
-
-    text: str
-    tables: dict[str, Rows]
-    remarks: list[str]
-
-
 class Leaderboard(Standings):
     """Results of a benchmark beside each other, as tables, sentences and figures."""
-
-    @cached_property
-    def scores(self) -> dict[str, Said]:
-        """Presentation of each score of an extra in the results, by name."""
-        names = dict.fromkeys(name for one in self.results for name in one.extra)
-        return {name: _said(self, name) for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns all trials as plain values."""
         return {"trials": [loads(one.to_json()) for one in self.results]}
 
     def tables(self) -> dict[str, Rows]:
-        """Returns the tables of all levels, and those of scores of extras, by title."""
+        """Returns the tables of all levels by title."""
         tables = {f"{one}: all tasks": _level_rows(self, one) for one in self.levels}
         for one in self.levels:
             tables[f"{one}: success and relief by task"] = _task_rows(self, one)
-        for said in self.scores.values():
-            tables |= said.tables
         return tables
 
     def sentences(self) -> list[str]:
         """Returns sentences about best policies, limits, and failed motions and trials."""
         return [
             *_best_policies(self),
-            *(sentence for one in self.scores.values() for sentence in one.remarks),
             *benchmark_remarks(self.results),
             *_contract_remarks(self),
             *(
@@ -130,10 +105,6 @@ class Leaderboard(Standings):
         for level in self.levels:
             title = f"## {level}, by task: success and relief"
             parts.append(f"{title}\n\n{CELLS}\n\n{_safe(_task_rows(self, level))}\n")
-        for name, said in self.scores.items():
-            parts.append(f"## The score {without_markup(name)}\n\n{COSTS} {said.text}\n")
-            for title, rows in said.tables.items():
-                parts.append(f"### {title}\n\n{_safe(rows)}\n")
         parts.append(
             f"Made by `activesuit benchmark table` from {len(self.results)} trials of suite "
             f"version {protocol.get('suite_version')}, with seeds from "
@@ -276,18 +247,15 @@ def _profile_plot(standings: Standings) -> Plot:
     return Plot(title="Share of motions with at least a relief", panels=panels, height=2.8)
 
 
-def _cell(
-    standings: Standings, setting: Setting, policy: str, measure: Measure | None = None
-) -> str:
-    """Returns success of a policy in a setting, or its mean cost, and below it the mean relief."""
+def _cell(standings: Standings, setting: Setting, policy: str) -> str:
+    """Returns the success of a policy in a setting, and below it the mean relief."""
     found = standings.of(setting, policy)
-    if found is not None and found.failed:
-        return "failed"
-    series = found and (measure.series(found) if measure else found.success)
-    if not series:
+    if found is None:
         return "-"
-    relief = standings.relief(setting, policy, of=measure or EFFORT)
-    value = f"{np.mean(series):{'.3g' if measure else '.0%'}}"
+    if found.failed:
+        return "failed"
+    relief = standings.relief(setting, policy)
+    value = f"{np.mean(found.success):.0%}"
     return value if relief is None else f"{value}\n{np.mean(relief):.2f}"
 
 
@@ -313,53 +281,3 @@ def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
             failed = f"{motions.count(False)} of {len(motions)} motions"
             text = "; ".join(part for _, part in sorted(parts, key=lambda pair: -pair[0]))
             yield f"{policy} at {level} failed in {failed}: {text}"
-
-
-def _said(standings: Standings, name: str) -> Said:
-    """Returns the presentation of one score of an extra."""
-    if name not in SCORES:
-        return Said("", {}, [f"note: no extra with the score {shown(name)} is here"])
-    facts = {
-        f"{one.policy} in {one.task} at {one.level} with {one.believed}": _facts(one, name)
-        for one in standings.results
-        if _facts(one, name)
-    }
-    remarks = [*_gaps(name, standings.results), *limit_remarks(name, facts)]
-    return Said(SCORES.find(name).text, _score_tables(standings, name), remarks)
-
-
-def _score_tables(standings: Standings, name: str) -> dict[str, Rows]:
-    least, tables = SCORES.find(name).least, {}
-    measures = {
-        cost: measures_of(standings.results, name, cost, one) for cost, one in least.items()
-    }
-    for level in standings.levels:
-        settings, costs, facts = standings.settings_at(level), {}, {}
-        for policy in standings.policies_at(level):
-            costs[policy] = {
-                cost: cost_over(standings, policy, settings, of) for cost, of in measures.items()
-            }
-            mine = [one for s in settings if (one := standings.of(s, policy)) is not None]
-            facts[policy] = [_facts(one, name) for one in mine]
-        tables[f"{level}: {name}"] = cost_table(name, costs, facts)
-        first, of = next(iter(measures.items()))
-        rows = [
-            [s.task, s.believed, *(_cell(standings, s, policy, of[STANDARD]) for policy in costs)]
-            for s in settings
-        ]
-        tables[f"{level}: {name}, {first} by task"] = ["task", "believed", *costs], rows
-    return tables
-
-
-def _facts(result: Result, name: str) -> Mapping[str, Any]:
-    return result.extra.get(name, {}).get("facts", {})
-
-
-def _gaps(name: str, results: Sequence[Result]) -> Iterator[str]:
-    """Yields sentences about trials without the score, and the reasons."""
-    without = sum(name not in one.extra and not one.failed for one in results)
-    if without:
-        yield f"note: {without} of {len(results)} trials were run without --score {name}"
-    kept = [(one.task, one.extra.get(name, {})) for one in results]
-    for task, reason in {task: one["reason"] for task, one in kept if "reason" in one}.items():
-        yield f"note: {name} cannot be scored in {task}: {reason}"

@@ -3,14 +3,12 @@
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field, replace
-from importlib.metadata import version
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     ConfigDict,
     Field,
     TypeAdapter,
@@ -24,9 +22,7 @@ from ...json_files import parse_json
 from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.reasons import Frequent, most_frequent
-from ..evaluation.rollout import Trace
 from ..evaluation.run import run
-from ..extras import SCORES, STANDARD
 from ..tasks import TASKS
 from .suites import Suite, Trial
 
@@ -42,30 +38,11 @@ DIGITS = 6  # significant digits of efforts and errors
 SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
-class _Extra(BaseModel):
-    """The data of a score of an extra; see `Result`."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    costs: dict[Name, dict[Name, list[Size | None]]] = {}
-    facts: dict[Name, Size | dict[Name, Size]] = {}
-    packages: dict[Name, Name] = {}
-    reason: str | None = None
-
-
-if TYPE_CHECKING:
-    Extra = dict[str, Any]
-else:  # files are checked by the model, whose values are then plain
-    Extra = Annotated[_Extra, AfterValidator(lambda one: one.model_dump(exclude_unset=True))]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Result:
     """Result of one trial; a tuple has one value per motion.
 
-    Effort and tracking error are infinite for a failed policy. `extra` has the data of scores of
-    extras by name: costs, facts and packages as plain values, with None for a missing cost of a
-    motion; or the reason for the missing score.
+    Effort and tracking error are infinite for a failed policy.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -83,15 +60,12 @@ class Result:
     failed: str | None  # reason why the policy could not act
     protocol: dict[str, Any]  # version, contract, seeds, motions and packages of the run
     why: tuple[Frequent, ...] = ()  # exceeded limits of success, the most frequent first
-    extra: dict[Name, Extra] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
         content = asdict(self)
         for name in SIZES:
             content[name] = [value if math.isfinite(value) else None for value in content[name]]
-        if not self.extra:
-            del content["extra"]
         return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
 
     @classmethod
@@ -116,13 +90,6 @@ class Result:
             raise InputError(
                 f"{name} has {motions} motions, and its protocol {shown(said)}: delete the line"
             )
-        for score, kept in found.extra.items():
-            for cost, series in kept.get("costs", {}).items():
-                if STANDARD not in series or any(len(one) != motions for one in series.values()):
-                    raise InputError(
-                        f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
-                        "each other convention: delete the line"
-                    )
         return found
 
 
@@ -137,8 +104,7 @@ def lines(results: Iterable[Result]) -> str:
 def read_results(paths: Sequence[Path]) -> list[Result]:
     """Reads and merges results of several runs: files of results, or folders with such a file.
 
-    Runs of one trial with different scores of extras become one result with all scores. Results of
-    different contracts cannot be compared, and are refused.
+    Results of different contracts cannot be compared, and are refused.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""
@@ -154,15 +120,12 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
                     f"{contract!r}: run the trials again"
                 )
             key = (result.task, result.level, result.believed, result.policy)
-            known, first = found.get(key, (result, str(path)))
-            both = known.extra.keys() & result.extra.keys()
-            alike = all(known.extra[name] == result.extra[name] for name in both)
-            if not alike or replace(known, extra={}) != replace(result, extra={}):
+            known, first = found.setdefault(key, (result, str(path)))
+            if known != result:
                 raise InputError(
                     f"{str(path)!r} and {first!r} have different results of "
                     f"{result.policy} in {result.task} at {result.level}: leave one of them out"
                 )
-            found[key] = (replace(known, extra={**known.extra, **result.extra}), first)
     if not found:
         raise InputError(
             "there are no results: give a file or folder of `activesuit benchmark run`"
@@ -189,14 +152,13 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     found: dict[str, Any] = {"failed": None}
     try:
         options = suite.environment(trial.setting)
-        score, traces, _ = run(trial.label, given, env, seeds, threads=1, **options)
+        score = run(trial.label, given, env, seeds, threads=1, **options).score
     except InputError as error:
         found = dict.fromkeys(SIZES, (math.inf,) * episodes)
         found |= {"success": (False,) * episodes, "failed": str(error)}
     else:
         found |= {size: tuple(map(_rounded, getattr(score, size))) for size in SIZES}
         found |= {"success": score.success, "why": most_frequent(score.why)}
-        found["extra"] = {extra: _scored(extra, traces) for extra in suite.scores}
     return Result(
         **trial.setting._asdict(),
         policy=trial.label,
@@ -204,26 +166,6 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         protocol=suite.protocol(trial.policy),
         **found,
     )
-
-
-def _scored(name: str, traces: Sequence[Trace]) -> dict[str, Any]:
-    """Returns the data of a score of motions, or the reason why the motions have no score."""
-    score = SCORES.find(name)
-    try:
-        found = score.scored(traces, threads=1, on_motion=lambda: None)
-    except InputError as error:
-        return {"reason": str(error)}
-    packages = {one: version(one) for one in score.packages}
-    return {"costs": _plain(found.costs), "facts": _plain(found.facts), "packages": packages}
-
-
-def _plain(value: Any) -> Any:
-    """Returns a value of a score as plain JSON values: rounded, and None if not finite."""
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, tuple):
-        return [_plain(one) for one in value]
-    return _rounded(value) if math.isfinite(value) else None
 
 
 def _rounded(value: float) -> float:

@@ -5,11 +5,9 @@ So intervals over *motions* resample motions for all settings together. Interval
 resample tasks.
 """
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -17,8 +15,7 @@ from ...arrays import Array
 from ...errors import unknown_name
 from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, REFERENCES
-from ..evaluation.extra_scores import Cost
-from ..evaluation.relief import LEAST_COST, relief
+from ..evaluation.relief import relief
 from ..evaluation.statistics import (
     FEWEST_RUNS,
     Interval,
@@ -26,24 +23,13 @@ from ..evaluation.statistics import (
     interquartile_mean,
     interquartile_mean_interval,
 )
-from ..extras import STANDARD
 from .results import SERIES, Result
 from .suites import BASELINE, Setting, where
 
 BOUND = BOUNDS[1]
 FIXED = (*REFERENCES, BOUND)
 MARGIN = 0.02  # difference of relief below which two policies are alike
-
-
-class Measure(NamedTuple):
-    """A cost of the motions of a result, or None, and the least cost of a suit with a relief."""
-
-    series: Callable[[Result], Sequence[float] | None]
-    least: float = LEAST_COST
-
-
-EFFORT = Measure(lambda result: result.effort)
-ASSISTED = Measure(lambda result: result.assisted_effort)
+Effort = Literal["effort", "assisted_effort"]
 
 
 @dataclass(frozen=True)
@@ -100,25 +86,25 @@ class Standings:
         return None
 
     def relief(
-        self, setting: Setting, policy: str, motions: int | None = None, *, of: Measure = EFFORT
+        self, setting: Setting, policy: str, motions: int | None = None, of: Effort = "effort"
     ) -> Array | None:
-        """Returns the relief of a cost by motion, shape (motions,); None where it has no meaning.
+        """Returns the relief of effort by motion, shape (motions,); None where it has no meaning.
 
         Only the first `motions` count; by default all motions of the policy.
         """
         found = [self.of(setting, name) for name in (*REFERENCES, policy)]
-        unsuited, suited, mine = (one and of.series(one) for one in found)
+        unsuited, suited, mine = (one and getattr(one, of) for one in found)
         if unsuited is None or suited is None or mine is None:
             return None
         common = min(len(unsuited), len(suited))  # results with more and with fewer motions merge
-        costs = unsuited[:common], suited[:common], mine[:common][:motions]
-        return relief(*costs, least=of.least)
+        return relief(unsuited[:common], suited[:common], mine[:common][:motions])
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
         """Returns the standing of a policy over some settings."""
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
-        reliefs, assisted = (self.reliefs(settings, policy, of) for of in (EFFORT, ASSISTED))
+        reliefs = self._reliefs(settings, policy)
+        assisted = self._reliefs(settings, policy, "assisted_effort")
         means = [(float(np.mean(one)), setting) for setting, one in reliefs.items()]
         pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
         gains = [np.subtract(*pair) for pair in pairs if pair is not None]
@@ -130,18 +116,18 @@ class Standings:
         return Standing(
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
-            relief=over_motions(reliefs.values()),
-            assisted=over_motions(assisted.values()),
+            relief=_over_motions(reliefs.values()),
+            assisted=_over_motions(assisted.values()),
             over_tasks=_over_tasks(reliefs),
             mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
             worst=min(means, key=lambda pair: pair[0], default=None),
-            gain=over_motions(gains),
+            gain=_over_motions(gains),
             compared=compared,
             failed=sum(one.failed is not None for one in mine),
         )
 
-    def reliefs(
-        self, settings: Iterable[Setting], policy: str, of: Measure
+    def _reliefs(
+        self, settings: Iterable[Setting], policy: str, of: Effort = "effort"
     ) -> dict[Setting, Array]:
         """Returns relief by motion in those settings where it has a meaning."""
         found = {setting: self.relief(setting, policy, of=of) for setting in settings}
@@ -186,7 +172,7 @@ class Standings:
 
         This is the performance profile of Agarwal et al. (2021).
         """
-        reliefs = self.reliefs(self.settings_at(level), policy, EFFORT).values()
+        reliefs = self._reliefs(self.settings_at(level), policy).values()
         shares = [np.mean(one[:, None] >= thresholds, axis=0) for one in reliefs]
         return np.mean(shares, axis=0) if shares else np.full(thresholds.shape, np.nan)
 
@@ -194,7 +180,6 @@ class Standings:
         """Replaces the plan by a policy that succeeds with less effort, motion by motion.
 
         At "shift" policies with any believed suit count, since the simulated suit is the same.
-        Scores of extras stay those of the plan, which is a bound for effort only.
         """
         bound = self._found[setting].get(BOUND)
         if bound is None:
@@ -218,17 +203,16 @@ class Standings:
         return None if mine is None or theirs is None else (mine, theirs)
 
 
-def over_motions(values: Iterable[Array]) -> Interval | None:
-    """Returns the interquartile mean of values of settings, with the interval over motions."""
-    values = [*values]
-    return _clustered(aligned(values)) if values else None
+def _over_motions(values: Iterable[Array]) -> Interval | None:
+    """Returns the interquartile mean of values of settings, with the interval over motions.
 
-
-def aligned(values: Iterable[Array]) -> Array:
-    """Returns values of the motions that all settings have, shape (motions, settings)."""
+    Only the motions that all settings have are counted.
+    """
     values = [*values]
+    if not values:
+        return None
     motions = min(one.size for one in values)
-    return np.array([one[:motions] for one in values]).T
+    return _clustered(np.array([one[:motions] for one in values]).T)
 
 
 def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:
@@ -250,45 +234,3 @@ def _clustered(values: Array) -> Interval:
     if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
         return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)
     return interquartile_mean_interval(values)
-
-
-def cost_over(
-    standings: Standings, policy: str, settings: Iterable[Setting], measures: Mapping[str, Measure]
-) -> Cost | None:
-    """Returns the cost of settings under a policy; None if no trial has the cost.
-
-    The measures are the cost under each convention.
-    """
-    settings = list(settings)
-    mine = [one for s in settings if (one := standings.of(s, policy)) is not None]
-    costs = [one for result in mine if (one := measures[STANDARD].series(result)) is not None]
-    if not costs or all(one.failed for one in mine):
-        return None
-    reliefs = {
-        convention: standings.reliefs(settings, policy, measure)
-        for convention, measure in measures.items()
-    }
-    standard, between = reliefs[STANDARD], None
-    if standard and all(one.keys() == standard.keys() for one in reliefs.values()):
-        means = [interquartile_mean(aligned(one.values()).ravel()) for one in reliefs.values()]
-        between = float(min(means)), float(max(means))
-    mean = float(np.mean(np.concatenate(costs)))
-    return Cost(mean, over_motions(standard.values()), between)
-
-
-def measures_of(
-    results: Sequence[Result], score: str, cost: str, least: float
-) -> dict[str, Measure]:
-    """Returns a cost of a score as measures, by the conventions in the results."""
-
-    def kept(result: Result) -> Mapping[str, Sequence[float | None]]:
-        return result.extra.get(score, {}).get("costs", {}).get(cost, {})
-
-    def series(convention: str, result: Result) -> Sequence[float] | None:
-        if result.failed is not None:
-            return (math.inf,) * len(result.effort)
-        found = kept(result).get(convention)
-        return None if found is None else [math.inf if one is None else one for one in found]
-
-    conventions = dict.fromkeys((STANDARD, *(name for one in results for name in kept(one))))
-    return {name: Measure(partial(series, name), least) for name in conventions}

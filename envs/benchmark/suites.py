@@ -20,7 +20,6 @@ from ..domain.levels import COMPARED, LEVELS
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.compare import check_policy
 from ..evaluation.statistics import FEWEST_MOTIONS
-from ..extras import SCORES
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
@@ -90,7 +89,7 @@ class Suite:
     At "shift" controllers believe in the same suits, but the wearer's suit is the EMU-like one at
     40 kPa: the believed suit is of another family, or has another pressure.
 
-    Other options of the environment change the contract; scores of extras do not.
+    Other options of the environment change the contract.
     """
 
     name: str
@@ -101,7 +100,6 @@ class Suite:
     motions: int = 20  # number of motions of each policy, at least 8
     coupling: Literal["rigid", "cuffs"] = "rigid"  # of the exoskeleton to the arm
     options: Mapping[str, Any] = field(default_factory=dict)  # of the environment, in all settings
-    scores: tuple[str, ...] = ()  # names of scores of extras
 
     def __post_init__(self) -> None:
         for name in ("suit", "level", "coupling", "reward"):
@@ -119,8 +117,6 @@ class Suite:
             once(f"{what}s", names)
         for suit in self.believed:
             load_suit(suit)
-        for score in self.scores:
-            SCORES.find(score)
         at_least("motions", self.motions, FEWEST_MOTIONS)
 
     def environment(self, setting: Setting) -> dict[str, Any]:
@@ -133,8 +129,7 @@ class Suite:
         found: dict[str, Any] = {"suite": self.name, "contract": self.contract}
         found |= {name: getattr(self, name) for name in fields}
         found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
-        others = {"options": self.options, "scores": self.scores}
-        return found | {name: one for name, one in others.items() if one}
+        return found | self._own_options
 
     def check(self) -> None:
         """Makes every policy once, so that mistakes in policies and suits raise InputError."""
@@ -142,19 +137,6 @@ class Suite:
             if trial.label not in (*REFERENCES, *BOUNDS):
                 env = f"ActiveSuit/{trial.setting.task}-v0"
                 check_policy(env, trial.policy, **self.environment(trial.setting))
-
-    def check_scores(self) -> None:
-        """Checks every score of an extra; raises InputError if no task can have the score."""
-        places = {one.task: self.environment(one) for one in self.settings}
-        for score in self.scores:
-            refused = []
-            for task, options in places.items():
-                try:
-                    check_policy(f"ActiveSuit/{task}-v0", BOUNDS[0], (score,), **options)
-                except InputError as error:
-                    refused.append(error)
-            if len(refused) == len(places):
-                raise refused[-1]
 
     @property
     def settings(self) -> list[Setting]:
@@ -247,7 +229,6 @@ def suite(
     believed: tuple[str, ...] = (),
     motions: int | None = None,
     options: Mapping[str, Any] | None = None,
-    scores: tuple[str, ...] = (),
     trust: bool = False,
 ) -> Suite:
     """Returns a shipped suite, with the given arguments in place of the suite's own values."""
@@ -260,7 +241,7 @@ def suite(
     ]
     once("policies", names)
     changes = {"policies": dict(zip(names, specs, strict=True)), "tasks": tasks, "levels": levels}
-    changes |= {"believed": believed, "options": dict(options or {}), "scores": scores}
+    changes |= {"believed": believed, "options": dict(options or {})}
     changes = {name: value for name, value in changes.items() if value}
     return replace(SUITES[name], **changes, **({} if motions is None else {"motions": motions}))
 

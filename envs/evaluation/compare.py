@@ -122,8 +122,7 @@ class Evaluation:
             "Units of effort, medians": report.units_table(scores),
         }
         for name, scored in self.extras.items():
-            facts = {policy: [one.facts] for policy, one in scored.items()}
-            tables[name] = extra_scores.cost_table(name, self._costs[name], facts)
+            tables[name] = extra_scores.cost_table(name, scored, self._costs[name])
         return tables
 
     def sentences(self) -> list[str]:

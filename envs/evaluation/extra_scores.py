@@ -1,6 +1,6 @@
 """Scores of extras in an evaluation: mean costs, and the relief of each cost."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,19 +11,17 @@ from .relief import relief_interval
 from .scores import REFERENCES
 from .statistics import Interval, interval_text
 
-Facts = Mapping[str, Any]
-
 
 class Cost(NamedTuple):
     """A cost of motions under one policy."""
 
-    mean: float  # over motions and settings; infinite for failed policies and missing costs
+    mean: float  # over motions
     relief: Interval | None  # interval over motions; None where no suit costs enough
     between: tuple[float, float] | None  # least and greatest relief over all conventions, if known
 
 
-Costs = Mapping[str, Mapping[str, Cost | None]]
-"""Costs by policy and by the name of the cost; None where no motion has the cost."""
+Costs = Mapping[str, Mapping[str, Cost]]
+"""Costs by policy and by the name of the cost."""
 
 
 def cost_of(scored: Mapping[str, Scored], policy: str, cost: str, least: float) -> Cost:
@@ -54,12 +52,12 @@ def costs_of(name: str, scored: Mapping[str, Scored]) -> dict[str, dict[str, Cos
     }
 
 
-def plain(name: str, scored: Scored, costs: Mapping[str, Cost | None]) -> dict[str, Any]:
+def plain(name: str, scored: Scored, costs: Mapping[str, Cost]) -> dict[str, Any]:
     """Returns a score of one policy as plain values with units."""
     found = {**scored.costs, **scored.facts, "units": SCORES.find(name).units}
     for cost, one in costs.items():
-        found[f"{cost}_relief"] = one and one.relief and one.relief.to_dict()
-        found[f"{cost}_relief_range"] = one and one.between
+        found[f"{cost}_relief"] = one.relief and one.relief.to_dict()
+        found[f"{cost}_relief_range"] = one.between
     return found
 
 
@@ -73,61 +71,47 @@ def drawn_policies(name: str, scored: Mapping[str, Scored]) -> list[str]:
 
 
 def cost_remarks(name: str, scored: Mapping[str, Scored], costs: Costs) -> Iterator[str]:
-    """Yields sentences about limits of the numbers of an evaluation, and the cost of the suit."""
+    """Yields sentences about limits of the numbers of an evaluation, and the cost of the suit.
+
+    The sentence about a limit names the policy that exceeds the limit most.
+    """
     score = SCORES.find(name)
-    yield from limit_remarks(name, {policy: one.facts for policy, one in scored.items()})
+    for limit, (least, sentence) in score.limits.items():
+        known = {policy: one.facts.get(limit) for policy, one in scored.items()}
+        found = {p: one for p, one in known.items() if isinstance(one, float) and one > least}
+        if found:
+            worst = max(found, key=lambda policy: found[policy])
+            most = sentence.format(found[worst])
+            yield f"{worst}: {most}; scores are limited so in {len(found)} of {len(scored)} cases."
     if all(policy in costs for policy in REFERENCES):
         for cost in score.least:
-            means = [one.mean for policy in REFERENCES if (one := costs[policy][cost])]
             unit = "" if score.units[cost] == "1" else f" {score.units[cost]}"
-            change = " to ".join(f"{mean:.3g}" for mean in means)
+            change = " to ".join(f"{costs[policy][cost].mean:.3g}" for policy in REFERENCES)
             yield f"{name}: the suit changes {cost} from {change}{unit}."
 
 
-def limit_remarks(name: str, facts: Mapping[str, Facts]) -> Iterator[str]:
-    """Yields a sentence for each limit that facts exceed: the worst case and the number of cases.
-
-    A case is a policy, or a policy in a setting.
-    """
-    for limit, (least, sentence) in SCORES.find(name).limits.items():
-        known = {place: one.get(limit) for place, one in facts.items()}
-        found = {p: one for p, one in known.items() if isinstance(one, float) and one > least}
-        if found:
-            worst = max(found, key=lambda place: found[place])
-            most = sentence.format(found[worst])
-            yield f"{worst}: {most}; scores are limited so in {len(found)} of {len(facts)} cases."
-
-
-def cost_table(name: str, costs: Costs, facts: Mapping[str, Sequence[Facts]]) -> Rows:
-    """Returns a row per policy: each cost, its relief, the range of relief, and facts by name.
-
-    A policy has one set of facts for each setting.
-    """
+def cost_table(name: str, scored: Mapping[str, Scored], costs: Costs) -> Rows:
+    """Returns a row per policy: each cost, its relief, the range of relief, and facts by name."""
     score = SCORES.find(name)
-    every = [pair for some in facts.values() for one in some for pair in one.items()]
-    lists = {fact: len(one) for fact, one in every if isinstance(one, dict)}
+    facts = (pair for one in scored.values() for pair in one.facts.items())
+    named = list(dict.fromkeys(fact for fact, one in facts if isinstance(one, dict)))
     header = ["policy"]
     for cost in score.least:
         header += [f"{cost}\n[{score.units[cost]}]", "its relief", "range of\nthat"]
-    header += [f"{fact}\n[{score.units.get(fact, '1')}]" for fact in lists]
+    header += [f"{fact}\n[{score.units.get(fact, '1')}]" for fact in named]
     rows = []
     for policy, of in costs.items():
         cells = [cell for one in of.values() for cell in _cells(one)]
-        rows.append([policy, *cells, *(_greatest(facts[policy], *one) for one in lists.items())])
+        rows.append([policy, *cells, *(_numbers(scored[policy].facts.get(one)) for one in named)])
     return header, rows
 
 
-def _cells(cost: Cost | None) -> list[str]:
-    if cost is None:
-        return ["-"] * 3
+def _cells(cost: Cost) -> list[str]:
     between = "-" if cost.between is None else "{:.2f}\nto {:.2f}".format(*cost.between)
     return [f"{cost.mean:.3g}", interval_text(cost.relief), between]
 
 
-def _greatest(facts: Sequence[Facts], name: str, count: int) -> str:
-    """Returns the `count` greatest numbers of a fact by name, over all settings."""
-    named = (one[name] for one in facts if isinstance(one.get(name), dict))
-    pairs = (pair for one in named for pair in one.items())
-    most = dict(sorted(pairs, key=lambda pair: pair[1]))
-    order = sorted(most, key=lambda label: -most[label])[:count]
-    return "\n".join(f"{label} {most[label]:.2g}" for label in order) or "-"
+def _numbers(fact: float | dict[str, float] | None) -> str:
+    """Returns the numbers of a fact by name, the greatest first."""
+    numbers = sorted(fact.items(), key=lambda pair: -pair[1]) if isinstance(fact, dict) else ()
+    return "\n".join(f"{label} {number:.2g}" for label, number in numbers) or "-"

@@ -10,8 +10,8 @@ from .compose import (
     suit_of_config,
 )
 from .config import GRAVITY, ArmConfig, Payload
-from .exoskeleton import ASSISTED, Exo, quantize, start_encoders
-from .motors import Motor, thermal_step
+from .exoskeleton import ASSISTED, Exo, start_encoders
+from .motors import Motor
 from .variants import mirror
 
 __all__ = [
@@ -27,9 +27,7 @@ __all__ = [
     "for_warp",
     "load_model",
     "mirror",
-    "quantize",
     "resisting_joints",
     "start_encoders",
     "suit_of_config",
-    "thermal_step",
 ]

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...arrays import Array
 from ...checks import at_least
 from ..provenance import Quantity, check_settings, quantities_of, setting
 from .motors import ELBOW_MOTOR, SHOULDER_MOTOR, Motor, set_motor
@@ -28,7 +26,7 @@ class Exo:
         ring: Mass of the U-shaped ring at the hand [kg].
         upper_arm_length: Distance from shoulder axis to elbow axis [m]; by default the wearer's.
         forearm_length: Distance from elbow axis to wrist axis [m]; by default the wearer's.
-        encoder_bits: Resolution of an encoder, which has 2**bits counts per turn (see `quantize`).
+        encoder_bits: Resolution of an encoder, which has 2**bits counts per turn.
         encoder_delay: Age of the values that the encoders report [s].
     """
 
@@ -125,8 +123,3 @@ def start_encoders(model: mujoco.MjModel, data: mujoco.MjData) -> None:
             now = data.qvel[model.jnt_dofadr[joint]]
         values = np.full((model.sensor_history[i, 0], 1), now)
         mujoco.mj_initSensorHistory(model, data, i, None, values, 0.0)
-
-
-def quantize(angle: ArrayLike, bits: int) -> Array:
-    """Returns angles [rad] rounded to the counts of an encoder with 2**bits per turn, any shape."""
-    return np.rint(np.divide(angle, count_of(bits))) * count_of(bits)

@@ -12,11 +12,8 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
 
-from ...arrays import Array
 from ...errors import InputError
-from ...kernels import ufunc_of
 from ..provenance import REQUIRED, check_settings, setting
 
 ROUND = "a round number of the size of robot joints (CubeMars AK80, 0.5 to 0.85 kg, 18 to 120 N·m)"
@@ -92,18 +89,6 @@ ELBOW_MOTOR = replace(
 )
 
 
-def thermal_step(
-    mean_square: ArrayLike, torque: ArrayLike, *, time_constant: ArrayLike, dt: float
-) -> Array:
-    """Advances the running mean square of motors' torques [N²·m²], which heats their windings.
-
-    A motor is overloaded while the root of the result exceeds its continuous torque. The result is
-    exact for a `torque` [N·m] that is constant during `dt` [s]; `time_constant` is that of the
-    windings [s].
-    """
-    return ufunc_of(heated)(mean_square, torque, time_constant, dt)
-
-
 def set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
     """Makes an actuator of a specification this motor."""
     # The unit of current gives 1 N·m, so that the activation is the torque. The
@@ -127,7 +112,12 @@ def set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
 
 @njit(cache=True)
 def heated(mean_square: float, torque: float, time_constant: float, dt: float) -> float:
-    """Returns the running mean square of a torque after `dt`."""
+    """Returns the running mean square of a motor's torque [N²·m²], which heats the windings.
+
+    A motor is overloaded while the root of the result exceeds the continuous torque. The result is
+    exact for a `torque` [N·m] that is constant during `dt` [s]; `time_constant` is that of the
+    windings [s].
+    """
     remains = math.exp(-dt / time_constant)
     return torque * torque + remains * (mean_square - torque * torque)
 

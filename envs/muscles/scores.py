@@ -153,11 +153,6 @@ SCORE = Score(
         **{"power": "W", "rest": "W", "largest_reserve": "N·m"},
         **dict.fromkeys(("effort", "loaded", "reserve", "saturated", "outside"), "1"),
     },
-    text=(
-        "*Power* is the metabolic power of all muscles and *effort* their root mean square "
-        "activation. Conventions are those of sharing torque among muscles. *Loaded* are three "
-        "muscles with the greatest activation in a setting."
-    ),
     limits={
         "saturated": (
             0.0,
@@ -167,6 +162,5 @@ SCORE = Score(
         "outside": (0.0, "{:.1%} of the postures are outside the ranges of MyoArm's joints"),
         "reserve": (0.01, "muscles cannot give {:.1%} of the torque"),
     },
-    packages=("myo-sim",),
 )
-"""The score that `evaluate` and the benchmark find under the name muscles."""
+"""The score that `evaluate` finds under the name muscles."""

@@ -2,8 +2,8 @@
 
 from .anthropometry import Person, Segment, range_of_motion, segments
 from .control import VoluntaryControl
-from .effort import EffortMetrics, effort_metrics, log_dimensionless_jerk, spectral_arc_length
-from .fatigue import endurance_time, fatigue_step, muscle_load
+from .effort import EffortMetrics, effort_metrics, spectral_arc_length
+from .fatigue import endurance_time
 from .strength import isometric_strength, passive_torque, strength_limits
 
 __all__ = [
@@ -13,10 +13,7 @@ __all__ = [
     "VoluntaryControl",
     "effort_metrics",
     "endurance_time",
-    "fatigue_step",
     "isometric_strength",
-    "log_dimensionless_jerk",
-    "muscle_load",
     "passive_torque",
     "range_of_motion",
     "segments",

@@ -24,13 +24,15 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
-from ...kernels import ufunc_of
 from ..provenance import numbers_of, values_of
 
 
 @njit(cache=True)
 def loaded(asked: float, available: float) -> float:
-    """Returns the load of a muscle group; 1 where torque is asked of a group that can give none."""
+    """Returns the load of a muscle group: the torque asked over the available strength [N·m].
+
+    The load is 1 where torque is asked of a group that can give none.
+    """
     if asked <= 0.0:
         return 0.0
     return asked / available if available > 0.0 else 1.0
@@ -46,7 +48,11 @@ def tired(
     resting: float,
     dt: float,
 ) -> float:
-    """Returns the fatigued part of a muscle group after `dt` under constant load."""
+    """Returns the fatigued part of a muscle group, from 0 to 1, after `dt` [s] of constant load.
+
+    A load above what the remaining muscle can bear counts as all of that muscle. The rates are
+    those of `RATES`.
+    """
     if load <= resting:
         recovery = recovery * multiplier
     ceiling = 1.0 - load
@@ -81,28 +87,6 @@ _TIRING, _RECOVERY, _MULTIPLIER = np.array(
 _RESTING = np.full(len(JOINTS), _VALUE["fatigue.resting_load"])
 RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, _RESTING])
 """F and R [1/s], r and the load below which a group rests, shape (4, joints)."""
-
-
-def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array:
-    """Returns the load of every muscle group over its strength without fatigue, shape (..., 2, 4).
-
-    The order of groups is that of `isometric_strength`. `torque` is the wearer's torque at every
-    joint [N·m], and `limits` are the `strength_limits` without fatigue at the present angles and
-    rates, shape (..., 4) each. The load is 1 where torque is asked of a group that can give none.
-    """
-    torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
-    asked, available = np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2)
-    return ufunc_of(loaded)(asked, available)
-
-
-def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
-    """Returns the fatigued part of every muscle group after `dt` [s] under constant load.
-
-    `fatigued` is the part from 0 to 1 that is fatigued now, and `load` the result of `muscle_load`;
-    all have the shape (..., 2, 4). A load above what the remaining muscle can bear counts as all of
-    that muscle.
-    """
-    return ufunc_of(tired)(fatigued, load, *RATES, dt)
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:

@@ -92,9 +92,9 @@ def ramped(
     )
 
 
-def posture(shoulder: float, elbow: float, abduction: float = 0.0, wrist: float = 0.0) -> Array:
-    """Returns joint angles in the order of `JOINTS` [rad], shape (4,)."""
-    return np.array([abduction, shoulder, elbow, wrist])
+def posture(shoulder: float, elbow: float) -> Array:
+    """Returns joint angles in the order of `JOINTS` [rad], 0 for the others, shape (4,)."""
+    return np.array([0.0, shoulder, elbow, 0.0])
 
 
 def between(windows: Sequence[tuple[float, float]], samples: int, dt: float) -> AnyArray:

@@ -1,14 +1,12 @@
 """The Bouc-Wen model of a joint's resistant torque."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import ClassVar
 
 from ...arrays import Array
-from ...checks import number, scales
-from ...errors import InputError
+from ...checks import scales
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import ConfigKey, HysteresisModel
 from . import kernels
@@ -22,7 +20,7 @@ class BoucWen(HysteresisModel):
         dz = A dtheta - beta |dtheta| |z|^(n-1) z - gamma dtheta |z|^n,    z in radians
 
     beta opens the loop, gamma bends the loop (softening above -beta, hardening below), n sharpens
-    the yield. The scale of z is redundant: `normalized` chooses the scale with A = 1.
+    the yield. The scale of z is redundant: every torque has parameters with A = 1.
 
     The joint stores elastic (theta - rest_angle)^2 / 2 + hysteretic z^2 / (2 A), and dissipates
 
@@ -61,67 +59,6 @@ class BoucWen(HysteresisModel):
     n: float
     A: float = 1.0
     rest_angle: float = 0.0
-
-    @classmethod
-    def from_kao_fung(
-        cls,
-        *,
-        k: float,
-        d_e: float,
-        alpha: float,
-        beta: float,
-        gamma: float,
-        n: float = 1.0,
-        rest_angle: float = 0.0,
-        literal: bool = False,
-    ) -> "BoucWen":
-        """Returns the model of Kao and Fung (2009), eq. (1) and the right side of eq. (2).
-
-            T = k (d_e V - h),    h' = alpha d_e V' - beta |V'| |h|^(n-1) h - gamma V' |h|^n
-
-        with V = theta - rest_angle in radians: k is in N·m/rad, h in radians, d_e and alpha are
-        numbers, beta and gamma in 1/rad^n. The factor d_e of alpha is missing in print, which makes
-        h some 1e6 times too large beside d_e V; `literal` takes eq. (1) as printed.
-        """
-        k, d_e, alpha = number("k", k), number("d_e", d_e), number("alpha", alpha)
-        slope = alpha if literal else alpha * d_e
-        sign = math.copysign(1.0, slope)  # z = sign h has the positive slope
-        if slope == 0:
-            raise InputError(
-                f"alpha is {alpha} and d_e is {d_e}: h would never move; give numbers other than 0"
-            )
-        return cls(
-            elastic=k * d_e,
-            hysteretic=-sign * k,
-            A=abs(slope),
-            beta=beta,
-            gamma=sign * number("gamma", gamma),
-            n=n,
-            rest_angle=rest_angle,
-        )
-
-    @classmethod
-    def from_stiffness_ratio(cls, *, k: float, alpha: float, **others: float) -> "BoucWen":
-        """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
-
-        Args:
-            k: Stiffness before yield, for A = 1 [N·m/rad].
-            alpha: Stiffness after yield as a share of k, not 1.
-            **others: Other parameters of the class.
-        """
-        k, alpha = number("k", k), number("alpha", alpha)
-        return cls(elastic=alpha * k, hysteretic=(1 - alpha) * k, **others)
-
-    def normalized(self) -> "BoucWen":
-        """Returns the model with A = 1 that has the same torque in every motion."""
-        shape = self.A ** (self.n - 1)
-        return replace(
-            self,
-            hysteretic=self.hysteretic * self.A,
-            A=1.0,
-            beta=self.beta * shape,
-            gamma=self.gamma * shape,
-        )
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory that continues another model's; z stays, within `z_bound`."""

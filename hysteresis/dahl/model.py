@@ -9,10 +9,8 @@ import numpy as np
 from numpy.polynomial import polynomial as poly
 
 from ...arrays import Array
-from ...checks import number
-from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..polynomial import coefficients, extremes
+from ..polynomial import extremes
 from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers
 from . import kernels
 
@@ -91,8 +89,8 @@ class Duhem(Semilinear):
         dz = stiffness (1 + z / friction_down) dtheta     downwards
 
     Every semilinear Duhem model (Macki, Nistri and Zecca 1993; Padthe, Oh and Bernstein 2008) that
-    approaches a higher limit upwards than downwards, each at a rate of its own, is of this form:
-    see `from_limits`. With equal frictions the model is `Dahl`.
+    approaches a higher limit upwards than downwards, each at a rate of its own, is of this form,
+    with a constant torque in p. With equal frictions the model is `Dahl`.
 
     Attributes:
         spring: Coefficients of p, constant first, one to six [N·m/rad^i].
@@ -114,47 +112,3 @@ class Duhem(Semilinear):
 
     friction_up: float
     friction_down: float
-
-    @classmethod
-    def from_limits(
-        cls,
-        *,
-        rate_up: float,
-        limit_up: float,
-        rate_down: float,
-        limit_down: float,
-        spring: Numbers = (0.0,),
-    ) -> "Duhem":
-        """Returns the model of a torque with one limit upwards and another limit downwards.
-
-            T = p(theta) + y,    dy = rate_up (limit_up - y) dtheta       upwards
-                                 dy = rate_down (y - limit_down) dtheta   downwards
-
-        Both slopes are equal at y0 = (rate_up limit_up + rate_down limit_down) / (rate_up +
-        rate_down), between the limits. With z = y - y0, and y0 as a part of the spring, the slope
-        at y0 is the stiffness, and the limits of z have opposite signs.
-
-        Args:
-            rate_up: Rate of the approach upwards, > 0 [1/rad].
-            limit_up: Limit of y upwards [N·m].
-            rate_down: Rate of the approach downwards, > 0 [1/rad].
-            limit_down: Limit of y downwards, below `limit_up` [N·m].
-            spring: Coefficients of p, constant first, one to six [N·m/rad^i].
-        """
-        for name, rate in (("rate_up", rate_up), ("rate_down", rate_down)):
-            if not number(name, rate, "1/rad") > 0:
-                raise InputError(f"{name} is {rate}: give a number above 0 (1/rad)")
-        width = number("limit_up", limit_up, "N·m") - number("limit_down", limit_down, "N·m")
-        if not width > 0:
-            raise InputError(
-                f"limit_down is {limit_down} N·m: give a limit below limit_up, which is "
-                f"{limit_up}, or the model would drive the joint"
-            )
-        up = rate_down / (rate_up + rate_down) * width
-        constant, *bend = coefficients("spring", spring)
-        return cls(
-            spring=(constant + limit_up - up, *bend),
-            stiffness=rate_up * up,
-            friction_up=up,
-            friction_down=width - up,
-        )

@@ -472,7 +472,7 @@ def pack_sensors(m, instance, ids, first, bits, endings, at):
     return FOUND, ids
 
 
-STAGE_POS, STAGE_VEL, STAGE_ACC = 1, 2, 3  # mjSTAGE_POS, mjSTAGE_VEL, mjSTAGE_ACC
+STAGE_POS, STAGE_VEL = 1, 2  # mjSTAGE_POS, mjSTAGE_VEL
 
 # The arguments of each callback, from mujoco/mjplugin.h; pointers are integers here.
 _POINTER, _INT = types.intp, types.int32

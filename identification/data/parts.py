@@ -41,9 +41,9 @@ def drawn_samples(curves: Sequence[Curve], most: int = DRAWN) -> list[NDArray[np
     return [kept_samples(curve.angle, every) for curve in curves]
 
 
-def drawn_note(curves: Sequence[Curve], most: int = DRAWN) -> str:
+def drawn_note(curves: Sequence[Curve]) -> str:
     """Returns how many samples of a panel's curves are drawn, in words; empty if all are."""
-    drawn = sum(indices.size for indices in drawn_samples(curves, most))
+    drawn = sum(indices.size for indices in drawn_samples(curves))
     total = _samples(curves)
     return f"{drawn:,} of {total:,} samples drawn" if drawn < total else ""
 

@@ -14,7 +14,7 @@ from ...files import write_text
 from ...json_files import read_json
 from ..backends import Backend, check_backend, run_all
 from ..folders import RunFolder, to_json
-from ..options import Force, Json, Scores, Trust, choice, optional_number
+from ..options import Force, Json, Trust, choice, optional_number
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import progress, table, telling
@@ -35,7 +35,6 @@ def benchmark(
     levels: tuple[Annotated[str, choice(level_names)], ...] = (),
     believed: tuple[str, ...] = (),
     motions: Annotated[int | None, optional_number("that of the suite", int)] = None,
-    score: Scores = (),
     workers: int = -1,
     backend: Backend = "loky",
     out: Path | None = None,
@@ -70,13 +69,12 @@ def benchmark(
         if results:
             raise InputError(f"run takes no results, and {str(results[0])!r} is given: use table")
         names = {"policies": policies, "tasks": tasks, "levels": levels, "believed": believed}
-        more = {"motions": motions, "options": environment, "scores": score, "trust": trust}
+        more = {"motions": motions, "options": environment, "trust": trust}
         chosen = make_suite(suite, **names, **more)
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
         if policies or believed or environment:
             chosen.check()
-        chosen.check_scores()
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)

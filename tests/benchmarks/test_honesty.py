@@ -1,6 +1,7 @@
 """The benchmark of honesty: truths by seed, cases that are kept, and tables."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -8,8 +9,26 @@ from activesuit.benchmarks import honesty
 from activesuit.benchmarks.__main__ import main
 from activesuit.benchmarks.honesty import bands, truths
 from activesuit.hysteresis import BoucWen
+from helpers import sweep
 
 pytestmark = pytest.mark.slow
+
+
+def test_unlike_ways_become_a_duhem_model():
+    """The crossing of both slopes becomes the zero of z, the torque stays the same."""
+    up, high, down, low = 12.0, 0.4, 3.0, -0.9
+    model = truths.semilinear(np.array([up, down]), np.array([high, low]), (0.2, 1.5))
+    crossing = (up * high + down * low) / (up + down)
+    assert model.stiffness == pytest.approx(up * (high - crossing))
+    assert model.stiffness == pytest.approx(down * (crossing - low))
+    assert model.friction_up == pytest.approx(high - crossing)
+    assert model.friction_down == pytest.approx(crossing - low)
+    angle, y = sweep(0.3, 1.5, 0.6, 1.1, 0.9, 1.4, samples=30), [0.1]
+    for way in np.diff(angle):
+        rate, limit = (up, high) if way > 0 else (down, low)
+        y.append(limit + (y[-1] - limit) * math.exp(-rate * abs(way)))
+    expected = 0.2 + 1.5 * angle + y
+    np.testing.assert_allclose(model.response(angle, expected[0]), expected, atol=1e-13)
 
 
 @pytest.mark.parametrize("kind", truths.KINDS)

@@ -40,9 +40,8 @@ def test_initial_h_matters():
 
 
 def test_literal_equation_is_dimensionally_wrong():
-    literal = BoucWen.from_kao_fung(
-        k=1.0, d_e=TRUTH[3], alpha=TRUTH[4], beta=TRUTH[5], gamma=TRUTH[6], literal=True
-    )
+    *_, d_e, alpha, beta, gamma = TRUTH
+    literal = BoucWen(elastic=d_e, hysteretic=-1.0, A=alpha, beta=beta, gamma=gamma, n=1)
     x = literal.response(mechanism.voltage(np.linspace(0, 0.5, 501)))
     assert np.ptp(x) > 1  # meters
 
@@ -57,8 +56,13 @@ def test_converged_at_one_millisecond():
 def test_same_hysteresis_as_the_library(n):
     m, c, k, d_e, alpha, beta, gamma = TRUTH
     scale = d_e ** (1 - n)  # h of the library is in meters
-    model = BoucWen.from_kao_fung(
-        k=k, d_e=d_e, alpha=alpha, beta=beta * scale, gamma=gamma * scale, n=n
+    model = BoucWen(
+        elastic=k * d_e,
+        hysteretic=-k,
+        A=alpha * d_e,
+        beta=beta * scale,
+        gamma=gamma * scale,
+        n=n,
     )
     step = 1e-4
     x = simulate([[*TRUTH, n]], step=step)[0]

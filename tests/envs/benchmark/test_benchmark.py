@@ -214,7 +214,9 @@ def test_a_policy_that_cannot_act_fails_and_the_run_goes_on(small):
     assert "cuffs" in found.failed and found.success == (False,) * MOTIONS
     assert json.loads(found.to_json())["effort"] == [None] * MOTIONS
     standings = Standings([*[run_trial(small, one) for one in small.trials[:2]], found])
-    assert standings.standing("corrected", standings.settings).failed == 1
+    standing = standings.standing("corrected", standings.settings)
+    assert standing.failed == 1
+    assert standing.relief.low == -np.inf and standing.relief.high == np.inf
 
 
 def test_mistakes():

@@ -5,14 +5,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from activesuit.envs.model import (
-    ASSISTED,
-    ArmConfig,
-    Exo,
-    arm_spec,
-    compose,
-    thermal_step,
-)
+from activesuit.envs.model import ASSISTED, ArmConfig, Exo, arm_spec, compose
+from activesuit.envs.model.motors import heated
 
 MOTORS = Exo().motors
 
@@ -95,11 +89,10 @@ def test_masses_are_the_configured_ones():
 
 
 def test_heat_is_the_running_mean_square():
-    torque = np.array([[10.0, 5.0], [3.0, -4.0]])
-    many = np.zeros((2, 2))
-    for _ in range(1000):
-        many = thermal_step(many, torque, time_constant=[60.0, 30.0], dt=0.01)
-    at_once = thermal_step(np.zeros((2, 2)), torque, time_constant=[60.0, 30.0], dt=10.0)
-    np.testing.assert_allclose(many, at_once, rtol=1e-10)
-    forever = thermal_step(many, torque, time_constant=60.0, dt=1e5)
-    np.testing.assert_allclose(np.sqrt(forever), np.abs(torque), rtol=1e-12)
+    for torque, time_constant in ((10.0, 60.0), (-4.0, 30.0)):
+        many = 0.0
+        for _ in range(1000):
+            many = heated(many, torque, time_constant, 0.01)
+        assert many == pytest.approx(heated(0.0, torque, time_constant, 10.0), rel=1e-10)
+        forever = heated(many, torque, 60.0, 1e5)
+        assert np.sqrt(forever) == pytest.approx(abs(torque), rel=1e-12)

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
-from activesuit.envs.person.fatigue import PROVENANCE, endurance_time, fatigue_step, muscle_load
+from activesuit.envs.person import fatigue
+from activesuit.envs.person.fatigue import PROVENANCE, endurance_time, loaded, tired
 from helpers import assert_refused
+from numba import vectorize
 
 REGIONS = {
     "shoulder_abduction": "shoulder",
@@ -15,6 +17,12 @@ VALUE = {quantity.name: quantity.value for quantity in PROVENANCE}
 COLUMNS = ("fatigue_rate", "recovery_rate", "rest_multiplier")
 RATES = np.array([[VALUE[f"fatigue.{REGIONS[j]}.{c}"] for j in JOINTS] for c in COLUMNS])
 RESTED = np.zeros((2, 4))
+step = vectorize(tired.py_func)
+
+
+def fatigue_step(fatigued, load, dt):
+    """Returns the fatigued part of every muscle group, shape (..., 2, 4)."""
+    return step(fatigued, load, *fatigue.RATES, dt)
 
 
 def original_3cc_r(load, dt):
@@ -25,10 +33,10 @@ def original_3cc_r(load, dt):
         missing = target - active
         drive = 10 * np.where(missing > 0, np.minimum(missing, resting), missing)
         back = recovery * np.where(target <= 0.01, multiplier, 1) * fatigued
-        tired = tiring * active
-        active = active + dt * (drive - tired)
+        tires = tiring * active
+        active = active + dt * (drive - tires)
         resting = resting + dt * (back - drive)
-        fatigued = fatigued + dt * (tired - back)
+        fatigued = fatigued + dt * (tires - back)
         history.append(fatigued)
     return np.array(history)
 
@@ -99,27 +107,19 @@ def test_a_step_is_exact_for_any_length():
 
 
 def test_what_a_lasting_maximum_leaves_and_recovery_is_faster_only_at_rest():
-    tired = np.full((2, 4), 0.4)
+    start = np.full((2, 4), 0.4)
     tiring, recovery, multiplier = RATES
     left = 1 - fatigue_step(RESTED, np.ones((2, 4)), 1e5)[0]
     np.testing.assert_allclose(left, recovery / (tiring + recovery), rtol=1e-12)
-    rested = fatigue_step(tired, RESTED, 30.0)
+    rested = fatigue_step(start, RESTED, 30.0)
     np.testing.assert_allclose(rested[0], 0.4 * np.exp(-30 * multiplier * recovery), rtol=1e-12)
-    loaded = fatigue_step(tired, np.full((2, 4), 0.02), 30.0)
-    assert (loaded > 0.4 * np.exp(-30 * recovery)).all()
+    working = fatigue_step(start, np.full((2, 4), 0.02), 30.0)
+    assert (working > 0.4 * np.exp(-30 * recovery)).all()
 
 
-def test_load_is_the_share_of_strength_in_the_direction_of_the_torque():
-    torque = np.array([[10.0, -10, 0, 3], [0, 0, -5, 5]])
-    low, high = np.array([-20.0, -40, -10, 0]), np.array([50.0, 20, 10, 0])
-    load = muscle_load(torque, (low, high))
-    assert load.shape == (2, 2, 4)
-    np.testing.assert_array_equal(load[0], [[0, 0.25, 0, 0], [0.2, 0, 0, 1]])
-    np.testing.assert_array_equal(load[1], [[0, 0, 0.5, 0], [0, 0, 0, 1]])
-    one = muscle_load(torque[0], (low, high))
-    np.testing.assert_array_equal(one, load[0])
-    many = muscle_load(torque[0], (np.stack([low] * 3), np.stack([high] * 3)))
-    np.testing.assert_array_equal(many, np.stack([one] * 3))
+def test_load_is_the_share_of_strength():
+    found = [loaded(*pair) for pair in ((10.0, 40.0), (-10.0, 40.0), (0.0, 0.0), (3.0, 0.0))]
+    assert found == [0.25, 0.0, 0.0, 1.0]
 
 
 def test_mistakes_are_named():

@@ -66,25 +66,6 @@ def test_a_start_outside_the_limits_comes_back_and_loses_energy():
         assert NO_SPRING.start_is_certified(NO_SPRING.start(0.0, start)) == safe
 
 
-def test_unlike_ways_become_the_form_of_the_class():
-    """The crossing of both slopes becomes the zero of z, the torque stays the same."""
-    up, high, down, low = 12.0, 0.4, 3.0, -0.9
-    model = Duhem.from_limits(
-        rate_up=up, limit_up=high, rate_down=down, limit_down=low, spring=(0.2, 1.5)
-    )
-    crossing = (up * high + down * low) / (up + down)
-    assert model.stiffness == pytest.approx(up * (high - crossing))
-    assert model.stiffness == pytest.approx(down * (crossing - low))
-    assert model.friction_up == pytest.approx(high - crossing)
-    assert model.friction_down == pytest.approx(crossing - low)
-    angle, y = sweep(0.3, 1.5, 0.6, 1.1, 0.9, 1.4, samples=30), [0.1]
-    for way in np.diff(angle):
-        rate, limit = (up, high) if way > 0 else (down, low)
-        y.append(limit + (y[-1] - limit) * math.exp(-rate * abs(way)))
-    expected = 0.2 + 1.5 * angle + y
-    np.testing.assert_allclose(model.response(angle, expected[0]), expected, atol=1e-13)
-
-
 def test_certificate():
     certificate = DUHEM.certificate((-0.5, 1.0))
     assert (certificate.margin, certificate.dissipative) == (1.0, True)
@@ -109,11 +90,5 @@ def test_bad_parameters():
     ]
     assert_refused(lambda changes: Duhem(**{**good, **changes}), rows)
     assert_refused(lambda changes: model_from_dict({"model": "duhem", **good, **changes}), rows)
-    limits = {"rate_up": 1.0, "limit_up": 1.0, "rate_down": 1.0, "limit_down": -1.0}
-    rows = [
-        ({"rate_up": 0}, r"rate_up is 0: give a number above 0 \(1/rad\)"),
-        ({"limit_down": 2}, "limit_down is 2 N·m: give a limit below limit_up"),
-    ]
-    assert_refused(lambda changes: Duhem.from_limits(**{**limits, **changes}), rows)
     with pytest.raises(InputError, match=r"friction is 0\.0 N·m: give a number above 0"):
         Dahl(spring=(0.0,), stiffness=1.0, friction=0)

@@ -6,22 +6,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from activesuit.envs.benchmark import run_trial, suite
-from activesuit.envs.evaluation import evaluate
 from activesuit.envs.extras import DRAWINGS, SCORES, Score, Scored
-from activesuit.envs.muscles import muscle_scores
 from activesuit.envs.rendering import Capsule
 from activesuit.errors import InputError
 from activesuit.scripts.main import main
-from helpers import fails, run, short_benchmark, shorten_tasks
+from helpers import fails, run, shorten_tasks
 
 SHORT = ("--env", "ActiveSuit/ElbowFlexion-v0")
 EVALUATE = ("evaluate", *SHORT, "--motions", "8", "--policies", "compensation")
-SMALL = (
-    *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
-    *("emu-like", "--policies", "compensation", "--motions", "8"),
-    *("--workers", "1", "--backend", "threading"),
-)
 FILM = ("view", *SHORT, "--size", "240", "120", "--film")
 
 
@@ -45,7 +37,6 @@ TOY = Score(
     scored=scored,
     least={"mean": 0.1},
     units={"mean": "N·m", "parts": "N·m"},
-    text="*Mean* is that of a toy.",
     limits={"loud": (1.0, "it is {:.0f} loud")},
 )
 
@@ -78,34 +69,6 @@ def test_evaluate_says_a_registered_score(capsys, tmp_path, monkeypatch):
     assert found["unsuited"]["toy"]["mean_relief"]["value"] == 1
 
 
-@pytest.mark.usefixtures("toy")
-def test_the_benchmark_keeps_a_registered_score(capsys, tmp_path):
-    folder = tmp_path / "run"
-    with short_benchmark(0.5):
-        said = run(capsys, *SMALL, "--score", "toy", "--out", folder)
-        assert "nominal: toy" in said and "nominal: toy, mean by task" in said
-        page = (folder / "tables.md").read_text()
-        assert "## The score toy" in page and "*Mean* is that of a toy." in page
-        assert "nominal: toy" in (folder / "report.html").read_text()
-        trials = sorted((folder / "trials").glob("*.json"))
-        kept = json.loads(trials[0].read_text())
-        assert kept["extra"]["toy"]["facts"]["loud"] == 2
-        trials[0].unlink()
-        run(capsys, *SMALL, "--score", "toy", "--out", folder)
-        assert (folder / "tables.md").read_text() == page
-        wrong = fails(capsys, *SMALL, "--out", folder)
-        assert "holds a benchmark whose scores is" in wrong
-        tiring = ["OverheadHold" if one == "ElbowFlexion" else one for one in SMALL]
-        tiring += ["--score", "toy", "--out", tmp_path / "n"]
-        assert "toys do not tire" in fails(capsys, *tiring)
-    others = [kept | {"policy": "mine", "extra": {}}, kept | {"policy": "odd"}]
-    others[1]["extra"]["toy"]["facts"] = {"loud": {"parts": 1.0}, "parts": 3.0}
-    (tmp_path / "more.jsonl").write_text("".join(json.dumps(one) + "\n" for one in others))
-    said = run(capsys, "benchmark", "table", folder, tmp_path / "more.jsonl")
-    assert "note: 1 of 6 trials were run without --score toy" in said
-    assert "it is 2 loud; scores are limited so in 4 of 5 cases" in said
-
-
 @pytest.mark.render
 @pytest.mark.usefixtures("toy")
 def test_a_film_draws_what_is_registered(tmp_path, monkeypatch):
@@ -122,7 +85,6 @@ def test_a_film_draws_what_is_registered(tmp_path, monkeypatch):
     [
         ("evaluate --out out --score toy --fatigue true", "toys do not tire"),
         ("evaluate --out out --score tow", "unknown score 'tow': use one of "),
-        ("benchmark run --out out --score tow", "unknown score 'tow'"),
         ("view --draw tow", "unknown drawing 'tow'"),
     ],
 )
@@ -140,13 +102,7 @@ def test_a_package_that_cannot_be_imported_is_named(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "command",
-    [
-        "evaluate --out out --score",
-        "view --film out.gif --draw",
-        "benchmark run --out out --score",
-        "view --draw",
-    ],
+    "command", ["evaluate --out out --score", "view --film out.gif --draw", "view --draw"]
 )
 def test_missing_muscles_are_named_before_anything_runs(command, tmp_path, capsys, monkeypatch):
     from activesuit.envs.muscles import MyoArm
@@ -170,26 +126,3 @@ def test_evaluate_scores_and_draws_muscles(capsys, tmp_path, monkeypatch):
     assert one["units"]["power"] == "W" and one["power_relief"] is not None
     assert (folder / "score-muscles.png").read_bytes()[:4] == b"\x89PNG"
     assert "score-muscles" in (folder / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.slow
-def test_a_trial_has_the_muscles_of_evaluate():
-    pytest.importorskip("myo_sim")
-    changes = {"policies": ("none",), "tasks": ("ElbowFlexion", "OverheadHold")}
-    with short_benchmark(0.5):
-        small = suite("quick", levels=("nominal",), scores=("muscles",), **changes)
-        assert small.contract == suite("quick", levels=("nominal",), **changes).contract
-        chosen = [one for one in small.trials if one.label in ("none", "unsuited")]
-        results = [run_trial(small, one) for one in chosen]
-        options = {"motions": 8, "suit": "emu-like"}
-        traces = evaluate("ActiveSuit/ElbowFlexion-v0", ["none"], **options).traces
-    for one in results:
-        kept = one.extra["muscles"]
-        if one.task == "OverheadHold":
-            assert "strength of this wearer" in kept["reason"] and one.failed is None
-            continue
-        found = muscle_scores(traces[one.policy])
-        assert list(kept["facts"]["loaded"]) == list(found.facts["loaded"])
-        for convention, power in found.costs["power"].items():
-            np.testing.assert_allclose(kept["costs"]["power"][convention], power, rtol=1e-5)
-        assert "myo-sim" in kept["packages"]
