@@ -116,8 +116,6 @@ def test_chatter_shows_and_costs():
 
 
 class Down(NoAssist):
-    """Pushes the arm down with all that motors have."""
-
     def torque(self, seen):
         return super().torque(seen) - self.peak
 
@@ -187,7 +185,6 @@ def test_measurements_for_an_own_reward_have_their_shapes():
 
 
 def test_rows_that_begin_anew_have_no_reward():
-    """In the mode NextStep the reward is of the rows that move."""
     env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, max_episode_steps=2)
     rewards = steps(env, 3, (2, 2))
     assert (rewards[1] > 0).all() and (rewards[2] == 0).all()

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.model.bushing import Bushing, attach_bushing, replace_bushing
+from arms import posed
 from helpers import assert_refused
 from mujoco.batch import Batch
 from scipy.spatial.transform import Rotation
@@ -101,11 +102,9 @@ def test_the_torque_is_right_at_every_angle(axis):
     )
     attach_bushing(spec, "cuff", "limb", "exo", Bushing(rotational_stiffness=(30, 30, 30)))
     model = spec.compile()
-    data = mujoco.MjData(model)
     for angle in (0, 1e-200, 1e-9, 0.0999, 0.1001, 1.57, 2.1, 3.1, 3.141592, 4.0, 6.0):
         for sign in (1, -1):
-            data.qpos[:] = sign * angle
-            mujoco.mj_forward(model, data)
+            data = posed(model, sign * angle)
             turn = sign * (angle if angle < np.pi else angle - 2 * np.pi)
             assert data.qfrc_passive[0] == pytest.approx(-30 * turn, rel=1e-14, abs=1e-13)
 
@@ -155,8 +154,7 @@ def test_two_bushings_and_a_site_on_the_world():
     attach_bushing(spec, "one", "limb", "exo", Bushing(stiffness=(10, 10, 10)))
     attach_bushing(spec, "two", "wall", "limb", Bushing(stiffness=(20, 20, 20)))
     model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    data = posed(model)
     limb, exo = data.site("limb").xpos, data.site("exo").xpos
     np.testing.assert_allclose(data.qfrc_passive[:3], 10 * (exo - limb) - 20 * limb, rtol=1e-12)
     assert model.nsensor == 6

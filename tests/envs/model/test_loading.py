@@ -12,6 +12,7 @@ import pytest
 from activesuit.assets import load_suit
 from activesuit.envs.model import ArmConfig, compose, load_model
 from activesuit.hysteresis.engine import attach
+from arms import posed
 from helpers import assert_refused
 
 JOINT = """<mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size=".1"/></body>
@@ -50,9 +51,7 @@ def test_a_process_that_imports_nothing_else_loads_a_model(files, name):
         cwd=files,
     )
     assert found.returncode == 0, found.stderr
-    data = mujoco.MjData(spec().compile())
-    data.qpos[0] = 0.4
-    mujoco.mj_forward(data.model, data)
+    data = posed(spec().compile(), 0.4)
     assert float(found.stdout) == data.qfrc_passive[0] < 0
 
 

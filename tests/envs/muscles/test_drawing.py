@@ -13,6 +13,7 @@ from activesuit.envs.muscles import MyoArm, muscle_activation
 from activesuit.envs.muscles.drawing import BESIDE, LiveMuscles, color_of, width_of
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import NoAssist
+from arms import go_on
 from helpers import assert_refused
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
@@ -114,8 +115,7 @@ def test_a_window_shows_them(monkeypatch):
     _, env = make_env(TASK, render_mode="human", control_dt=0.01)
     env.renderer.beside = LiveMuscles(env.episodes.simulation)
     env.reset(seed=0)
-    for _ in range(3):
-        env.step(np.zeros(2))
+    go_on(env, 3)
     shown = env.renderer._window.shown
     assert [len(one) > 0 for one in shown] == [False, False, False, True]
     expected = [(one.radius, *one.color) for one in env.renderer.beside()]

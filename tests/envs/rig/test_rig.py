@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.assets import load_suit, suit_names
+from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.rig import RigConfig, run_rig
 from activesuit.envs.rig.rig import NOISE
 from activesuit.hysteresis import BoucWen, Preisach
@@ -38,10 +39,6 @@ def exact(model, **options):
 
 def errors(model, record):
     return record.torque - model.response(record.angle)
-
-
-def rms(values):
-    return np.sqrt(np.mean(np.square(values)))
 
 
 def curves_of(records):
