@@ -40,8 +40,9 @@ def go_on(env: Any, periods: int, action: Any = 0.0) -> tuple:
 
 
 def reported(env: Any, actions: np.ndarray) -> dict[str, np.ndarray]:
-    """Returns each entry of `info` by name; its first index is the step."""
-    infos = [env.step(action)[-1] for action in actions]
+    """Returns each entry of `info`, and "reward", by name; its first index is the step."""
+    answers = [env.step(action) for action in actions]
+    infos = [{**answer[-1], "reward": answer[1]} for answer in answers]
     return {name: np.array([info[name] for info in infos]) for name in infos[0]}
 
 

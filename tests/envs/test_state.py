@@ -71,7 +71,7 @@ def test_state_shows_its_own_moment():
         np.testing.assert_array_equal(reported[key], info[key])
 
 
-def test_state_of_another_environment_is_refused(saved):
+def test_state_of_another_environment_and_no_whole_state_are_refused(saved):
     rows = [
         ({"gravity": "moon"}, r"gravity='earth'.*gravity='moon'"),
         ({"control_dt": 0.02}, r"control_dt=0\.01.*control_dt=0\.02"),
@@ -80,9 +80,6 @@ def test_state_of_another_environment_is_refused(saved):
         ({"fatigue": True}, r"with fatigue=False, and this environment has fatigue=True"),
     ]
     assert_refused(lambda options: ArmEnv(**options).set_state(saved), rows)
-
-
-def test_what_is_no_whole_state_is_refused(saved):
     lacking = [{name: saved[name] for name in saved.keys() - {key}} for key in saved]
     rows = [
         *zip(lacking, (f"the state lacks {key}: give" for key in saved), strict=True),

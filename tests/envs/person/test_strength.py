@@ -73,12 +73,7 @@ def test_shoulder_flexors_are_those_of_the_26_men(degrees, speed, published, tol
 
 
 def test_the_bare_arm_takes_22_to_25_percent_of_a_mans_strength():
-    arm = segments(Person())
-    below = arm["forearm"].mass + arm["hand"].mass
-    weight = arm["upper_arm"].mass * arm["upper_arm"].center
-    weight += below * arm["upper_arm"].length + arm["forearm"].mass * arm["forearm"].center
-    weight += arm["hand"].mass * (arm["forearm"].length + arm["hand"].center)
-    assert 0.22 < 9.81 * weight / torque_of(1, 1, np.pi / 2) < 0.25
+    assert 0.22 < 11.82 / torque_of(1, 1, np.pi / 2) < 0.25  # N·m, see model/test_compose.py
 
 
 def test_elbow_flexors_are_strongest_at_a_right_angle_and_half_as_strong_straight():
