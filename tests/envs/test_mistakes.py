@@ -24,7 +24,6 @@ SHORT = RandomMoves(name="Short", span=SPAN, duration=0.1)
 OPTIONS = [
     ({"suit": "nun"}, "unknown suit 'nun'"),
     ({"gravty": "moon"}, "unknown option 'gravty'.*did you mean 'gravity'"),
-    ({"wearer": {"stature": 178}}, "stature is 178: use a number from 1.4 to 2.1 m"),
     ({"control": {"nose": 1}}, "unknown field of control 'nose'.*did you mean 'noise'"),
     ({"control": {"delay": 0.015}}, "delay is 0.015 s: give it as a multiple of the control"),
     ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
@@ -32,7 +31,6 @@ OPTIONS = [
     ({"render_quality": "best"}, "unknown render_quality 'best': use one of fast, fine"),
     ({"render_quality": []}, "unknown render_quality"),
     ({"picture_dt": -1}, "picture_dt is -1: use a number from 0 to 10 s"),
-    ({"sim_dt": 0.5}, "sim_dt is 0.5: use a number from 1e-05 to 0.01 s"),
     ({"control_dt": 0.003}, "control_dt must be a multiple"),
     ({"control_dt": np.nan}, "control_dt is nan: use a number from 0 to 0.02 s"),
     ({"control_dt": 0.008}, "control_dt is 0.008: it must divide 0.02 s"),

@@ -72,7 +72,6 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
 
 @pytest.mark.slow
 def test_usual_pictures_have_neither_shadows_nor_samples():
-    """Which take 1.5 s a picture without a graphics card."""
     small = {"width": 160, "height": 120}
     usual, fine = arm_env(**small), arm_env(**small, render_quality="fine")
     pictures = [arm.render().astype(int) for arm in (usual, fine)]

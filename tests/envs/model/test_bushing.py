@@ -160,7 +160,7 @@ def test_two_bushings_and_a_site_on_the_world():
     assert model.nsensor == 6
 
 
-def test_wrong_names_are_refused():
+def test_wrong_names_and_numbers_are_refused():
     spec = mujoco.MjSpec.from_string(FREE.format(sensors=""))
     attach_bushing(spec, "cuff", "limb", "exo", Bushing())
     model = spec.compile()
@@ -173,6 +173,13 @@ def test_wrong_names_are_refused():
         (replace_bushing, model, state[:3], "cuff", r"plugin_state has the shape \(3,\)"),
     ]
     assert_refused(lambda call, *given: call(*given, Bushing()), rows)
+    rows = [
+        ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
+        ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
+        ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
+        ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
+    ]
+    assert_refused(lambda change: Bushing(**change), rows)
 
 
 def plain_mjcf(config, sensor="a_force"):
@@ -199,16 +206,6 @@ def test_plain_mjcf_works_and_its_mistakes_get_one_sentence():
     for config, sensor, sentence in rows:
         with pytest.raises(ValueError, match=sentence):
             mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
-
-
-def test_numbers_that_are_no_bushing_are_refused():
-    rows = [
-        ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
-        ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
-        ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
-        ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
-    ]
-    assert_refused(lambda change: Bushing(**change), rows)
 
 
 @pytest.mark.parametrize(

@@ -225,7 +225,7 @@ def test_mistakes_are_named():
     assert_refused(VoluntaryControl(delay=0.055).periods, between)
 
 
-MOVED = [JOINTS.index("shoulder_flexion"), JOINTS.index("elbow_flexion")]
+MOVED = [JOINTS.index("shoulder_flexion"), ELBOW]
 CREDIT = 10  # control periods between what was missing and what is given more of
 
 
@@ -303,7 +303,6 @@ def test_a_seed_forgets_and_no_seed_remembers_if_the_wearer_ever_learns(practise
 
 
 def test_the_adapted_wearer_is_the_limit_of_the_law():
-    """Whose error of a repeated motion falls to a quarter in 10 to 30 repetitions."""
     wearers = Wearers(MOTION, 1, threads=1, **PLACE)
     policy = make_policy("none", wearers.arms)
     traces = wearers.unadapted(policy, [0])
@@ -323,7 +322,6 @@ def test_the_adapted_wearer_is_the_limit_of_the_law():
 
 
 def test_who_has_learned_the_exoskeleton_gains_from_it_and_little_more_from_a_repetition():
-    """After two and three guided rollouts."""
     found = {}
     for name, change in (("none", 0.002), ("compensation", 0.03)):
         wearers = Wearers(MOTION, 1, threads=1)

@@ -143,14 +143,10 @@ def test_mistakes_in_what_makes_one(outside):
         ("outside:wrong", r"policy 'outside:wrong' makes .*, which has no reset\(\)"),
     ]
     assert_refused(lambda given: make_policy(given, ArmEnv()), rows)
-    # A wrong belief is told even where a class never asks for it.
-    rows = [("outside:Mine:suit=nosuch", "nosuch"), ("outside:Mine:pressure=900", "900")]
-    seen = ArmEnv(sensors=["encoders", "interaction"])
-    assert_refused(lambda given: make_policy(given, seen), rows)
-
-
-def test_options_of_policies_have_ranges():
     rows = [
+        # A wrong belief is told even where a class never asks for it.
+        ("outside:Mine:suit=nosuch", "nosuch"),
+        ("outside:Mine:pressure=900", "900"),
         ("adaptive:forgetting=0.1", "forgetting is 0.1: use a number from 1 to 1000 s"),
         ("disturbance-observer:bandwidth=9", "bandwidth is 9.0: use a number from 0.1 to 5 Hz"),
         ("impedance:damping_ratio=-1", "damping_ratio is -1.0: use a number from 0 to 3"),

@@ -56,7 +56,6 @@ def saved(request, tmp_path_factory):
 
 
 def test_acts_as_the_learner_in_rows_and_in_single_arms(saved):
-    """Rows of two episodes, with the memory of a recurrent network."""
     model, folder, arms = saved
     observed = {"sensors": ["encoders", "preview"], "history": 2, "normalize": True}
     assert needed_options(str(folder)) == {**observed, "belief": None}
@@ -249,7 +248,6 @@ def shipped(tmp_path, monkeypatch):
 
 
 def test_it_acts_by_its_name_in_any_scene(shipped, capsys):
-    """It brings its sensors, and not the task and the place of its training."""
     needed = needed_options("my-network")
     arms = make_arms("ActiveSuit/ArmTracking-v0", 2, suit="emu-like", **needed)
     policy = make_policy("my-network", arms)

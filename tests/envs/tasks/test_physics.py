@@ -223,7 +223,6 @@ def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
 
 @pytest.mark.parametrize("reference", ["unsuited", "suited"])
 def test_both_references_bear_the_reaction_of_a_tool(reference):
-    """So relief above 1 says that motors bear it, too."""
     torque = []
     for pull in ((0.0, 0.0), (40.0, 40.0)):
         task = replace(TASKS["Handrail"], duration=4.0, pull=pull)
