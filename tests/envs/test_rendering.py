@@ -1,3 +1,5 @@
+"""Pictures and videos of an arm that moves, also where there is no OpenGL."""
+
 import itertools
 import pickle
 

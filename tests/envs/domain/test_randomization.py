@@ -35,11 +35,8 @@ SAMPLED = suit_of(samples=SAMPLES)  # samples that cannot be mistaken for each o
 
 @pytest.mark.parametrize("samples", [SAMPLES, KINDS], ids=["scaled", "kinds"])
 def test_drawn_suits_appear_in_the_torque_of_their_rows(samples):
-    arms = ArmEnv(
-        suit=suit_of(samples=samples),
-        sensors=["encoders", "privileged"],
-        randomize={"suit": "samples"},
-    ).rows(24, info="full")
+    options = {"sensors": ["encoders", "privileged"], "randomize": {"suit": "samples"}}
+    arms = ArmEnv(suit=suit_of(samples=samples), **options).rows(24, info="full")
     observation, info = arms.reset(seed=0)
     shown = observation[:, arms.layout["suit_torque"]]
     np.testing.assert_allclose(shown, info["suit_torque"], rtol=1e-6)

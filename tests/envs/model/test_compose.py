@@ -94,15 +94,10 @@ def test_gravity_torque_of_the_bare_arm():
 @pytest.mark.parametrize("person", PEOPLE[1:3])
 def test_an_arm_without_suit_and_exoskeleton_weighs_what_the_bare_arm_does(person):
     config = ArmConfig(suit="none", coupling="none", wearer=person)
-    arm = segments(person)
-    elbow = 9.81 * (
-        arm["forearm"].mass * arm["forearm"].center
-        + arm["hand"].mass * (arm["forearm"].length + arm["hand"].center)
-    )
-    shoulder = elbow + 9.81 * (
-        arm["upper_arm"].mass * arm["upper_arm"].center
-        + (arm["forearm"].mass + arm["hand"].mass) * arm["upper_arm"].length
-    )
+    upper_arm, forearm, hand = segments(person).values()
+    elbow = 9.81 * (forearm.mass * forearm.center + hand.mass * (forearm.length + hand.center))
+    below = (forearm.mass + hand.mass) * upper_arm.length
+    shoulder = elbow + 9.81 * (upper_arm.mass * upper_arm.center + below)
     for model in (compose(config), bare_arm(config)):
         np.testing.assert_allclose(gravity_torque(model), [shoulder, elbow], rtol=1e-12)
 

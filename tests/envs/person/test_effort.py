@@ -1,3 +1,5 @@
+"""Effort and fatigue of the wearer against published equations and numbers."""
+
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS

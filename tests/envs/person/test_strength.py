@@ -1,3 +1,5 @@
+"""Strength, passive torque and body segments of the wearer against published tables."""
+
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS

@@ -67,9 +67,7 @@ def test_acts_as_the_learner_in_rows_and_in_single_arms(saved):
         one.reset()
         state, begin = None, np.ones(3, bool)
         for _ in range(10):
-            expected, state = model.predict(
-                observation, state=state, episode_start=begin, deterministic=True
-            )
+            expected, state = model.predict(observation, state, begin, deterministic=True)
             action = policy.act(observation)
             np.testing.assert_allclose(action, expected, rtol=0, atol=1e-6)
             np.testing.assert_allclose(one.act(observation[1]), action[1], atol=1e-12)
