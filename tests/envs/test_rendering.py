@@ -1,3 +1,5 @@
+"""Pictures and videos of an arm that moves, also where there is no OpenGL."""
+
 import itertools
 import pickle
 
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 from activesuit.envs.model import ArmConfig
 from activesuit.envs.rendering import ArmRenderer, RenderingUnavailableError
+from arms import go_on
 from helpers import assert_refused
 
 pytestmark = pytest.mark.render
@@ -34,8 +37,7 @@ def test_pictures_show_the_motion(env):
     first = env.render()
     assert (first.shape, first.dtype) == ((480, 640, 3), np.uint8)
     assert first.std() > 20
-    for _ in range(100):
-        env.step(np.zeros(2, np.float32))
+    go_on(env, 100)
     assert np.abs(env.render().astype(int) - first).mean() > 0.5
 
 
@@ -72,7 +74,6 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
 
 @pytest.mark.slow
 def test_usual_pictures_have_neither_shadows_nor_samples():
-    """Which take 1.5 s a picture without a graphics card."""
     small = {"width": 160, "height": 120}
     usual, fine = arm_env(**small), arm_env(**small, render_quality="fine")
     pictures = [arm.render().astype(int) for arm in (usual, fine)]
@@ -112,8 +113,7 @@ def test_a_recorded_video_plays_in_real_time(env, tmp_path):
     made = gymnasium.make(ID, render_mode="rgb_array", **small)
     recorder = gymnasium.wrappers.RecordVideo(made, str(tmp_path / "films"))
     recorder.reset(seed=0)
-    for _ in range(100):
-        recorder.step(np.zeros(2, np.float32))
+    go_on(recorder, 100)
     recorder.close()
     (film,) = (tmp_path / "films").iterdir()
     assert imageio.immeta(film, plugin="FFMPEG")["duration"] == pytest.approx(1.01, abs=0.02)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 pytest.importorskip("stable_baselines3")
 
@@ -62,14 +62,13 @@ def test_one_seed_for_every_row():
     assert ours.unwrapped.arms.get_state()["seed"].tolist() == [7, 5, 9]
     assert ours.seed(np.int64(4)) == [4, 5, 6]
     ours.seed([7, 5])
-    with pytest.raises(InputError, match="seed has 2 numbers: give one for each of 3 rows"):
-        ours.reset()
+    assert_refused(ours.reset, [("seed has 2 numbers: give one for each of 3 rows",)])
 
 
 def test_ppo_learns_and_is_evaluated_in_it(tmp_path):
     ours, _ = pair()
-    with pytest.raises(InputError, match="autoreset_mode is 'NextStep': Stable-Baselines3 needs"):
-        ArmVecEnv(ArmVectorEnv(2))
+    message = "autoreset_mode is 'NextStep': Stable-Baselines3 needs"
+    assert_refused(ArmVecEnv, [(ArmVectorEnv(2), message)])
     options = {"max_episode_steps": SHORT, "autoreset_mode": "SameStep"}
     check = ArmVecEnv(ArmVectorEnv(2, "ElbowFlexion", **options))
     learner = PPO("MlpPolicy", VecMonitor(ours), n_steps=16, batch_size=48, device="cpu", seed=0)
@@ -88,12 +87,10 @@ def test_attributes_and_methods_are_of_all_rows():
     assert ours.env_is_wrapped(TimeLimit) == [False] * ROWS
     ours.reset()
     assert len(ours.env_method("get_state")) == ROWS
-    with pytest.raises(InputError, match=r"env_method got the indices \[0\]: all rows are one"):
-        ours.env_method("get_state", indices=[0])
-    with pytest.raises(InputError, match="set_attr got the indices 1"):
-        ours.set_attr("remark", "there", 1)
     ours.set_options({"speed": 1})
-    with pytest.raises(
-        InputError, match=r"reset got the options {'speed': 1}: there are no such options"
-    ):
-        ours.reset()
+    rows = [
+        (lambda: ours.env_method("get_state", indices=[0]), r"the indices \[0\]: all rows are one"),
+        (lambda: ours.set_attr("remark", "there", 1), "set_attr got the indices 1"),
+        (ours.reset, "reset got the options {'speed': 1}: there are no such options"),
+    ]
+    assert_refused(lambda call: call(), rows)

@@ -185,7 +185,6 @@ def test_metrics_are_some_of_the_info():
 
 
 def test_the_default_observation_knows_nothing_of_what_comes():
-    """Two intentions that part after half a second are the same to a controller until then."""
     envs = [ArmEnv() for _ in range(2)]
     states = []
     for env in envs:

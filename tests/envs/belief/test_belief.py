@@ -1,6 +1,5 @@
 """What policies believe: the suite 'belief', and the inertia against MuJoCo and energy."""
 
-import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import Suit, SuitJoint
@@ -8,8 +7,10 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
 from activesuit.hysteresis import Viscoelastic
+from arms import mass_matrix, posed
 
 SENSORS = ["encoders", "belief"]
+WEIGHTLESS = {"sensors": [*SENSORS, "privileged"], "gravity": "microgravity"}
 
 
 @pytest.mark.parametrize("believed", [{}, {"suit": "emu-like", "payload": {"mass": 2.0}}])
@@ -31,9 +32,8 @@ def test_it_is_what_the_policies_of_that_belief_command(believed):
 
 
 def test_it_does_not_depend_on_what_is_drawn():
-    same = {"sensors": [*SENSORS, "privileged"], "gravity": "microgravity"}
-    drawn = ArmEnv(**same, randomize={"pressure": 0.5})
-    nominal = make_policy("feedforward", ArmEnv(**same))
+    drawn = ArmEnv(**WEIGHTLESS, randomize={"pressure": 0.5})
+    nominal = make_policy("feedforward", ArmEnv(**WEIGHTLESS))
     errors = []
     for seed in range(4):
         observation, _ = drawn.reset(seed=seed)
@@ -50,11 +50,8 @@ def test_it_does_not_depend_on_what_is_drawn():
 def viscous_suit(elbow):
     joint = Viscoelastic(model=elbow, damping=0.5, relaxation_stiffness=4, relaxation_time=0.3)
     fields = {"range": (0.52, 1.57), "start_angle": 0.52, "grade": "assumed", "source": "a test"}
-    return Suit(
-        name="viscous",
-        description="A test.",
-        joints={"elbow_flexion": SuitJoint.from_model(joint, **fields)},
-    )
+    joints = {"elbow_flexion": SuitJoint.from_model(joint, **fields)}
+    return Suit(name="viscous", description="A test.", joints=joints)
 
 
 def test_it_follows_what_depends_on_the_rate(viscous_suit):
@@ -63,12 +60,7 @@ def test_it_follows_what_depends_on_the_rate(viscous_suit):
     beliefs = viscous_suit, viscous_suit.model_copy(update={"joints": {"elbow_flexion": slow}})
     errors = []
     for believed in beliefs:
-        env = ArmEnv(
-            suit=viscous_suit,
-            sensors=[*SENSORS, "privileged"],
-            belief={"suit": believed},
-            gravity="microgravity",
-        )
+        env = ArmEnv(suit=viscous_suit, belief={"suit": believed}, **WEIGHTLESS)
         observation, _ = env.reset(seed=3)
         wrong = []
         for _ in range(300):
@@ -90,14 +82,8 @@ def arm():
 
 def test_it_is_the_mass_matrix_of_the_model(arm):
     model = arm.model()
-    data, full = mujoco.MjData(model), np.empty((4, 4))
     for pose, found in zip(POSES, arm.inertia()(POSES), strict=True):
-        data.qpos[:] = pose
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_makeM(model, data)
-        mujoco.mj_fullM(model, data, full)
-        np.testing.assert_allclose(found, full, atol=1e-12)
+        np.testing.assert_allclose(found, mass_matrix(model, posed(model, pose)), atol=1e-12)
 
 
 def test_motion_changes_momentum_by_the_slope_of_the_energy(arm):

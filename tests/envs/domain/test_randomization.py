@@ -1,11 +1,17 @@
 """What differs from episode to episode: drawn by seed, and each term for itself."""
 
+from itertools import product
+
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, Softening, Suit, SuitJoint, load_suit
+from activesuit.assets import JOINTS, Softening, Suit, load_suit
 from activesuit.envs import ArmEnv
+from activesuit.envs.domain.levels import LEVELS, with_level
+from activesuit.envs.domain.randomization import Randomization
+from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.model import ArmConfig, suit_of_config
 from activesuit.hysteresis import Asymmetric, BoucWen, Clipped, PrandtlIshlinskii
+from arms import assert_same_states, go_on, reported
 
 ELBOW = JOINTS.index("elbow_flexion")
 ENTRY = load_suit("mock-suit").joints["elbow_flexion"]
@@ -20,7 +26,6 @@ KINDS = (  # as an ensemble of `identify` with method "auto" draws them
 
 
 def suit_of(**changes):
-    """A suit of one joint."""
     joints = {"elbow_flexion": ENTRY.model_copy(update=changes)}
     return Suit(name="s", description="of a test", joints=joints)
 
@@ -30,21 +35,14 @@ SAMPLED = suit_of(samples=SAMPLES)  # samples that cannot be mistaken for each o
 
 @pytest.mark.parametrize("samples", [SAMPLES, KINDS], ids=["scaled", "kinds"])
 def test_drawn_suits_appear_in_the_torque_of_their_rows(samples):
-    arms = ArmEnv(
-        suit=suit_of(samples=samples),
-        sensors=["encoders", "privileged"],
-        randomize={"suit": "samples"},
-    ).rows(24, info="full")
+    options = {"sensors": ["encoders", "privileged"], "randomize": {"suit": "samples"}}
+    arms = ArmEnv(suit=suit_of(samples=samples), **options).rows(24, info="full")
     observation, info = arms.reset(seed=0)
-    angles, torques = [info["angle"][:, ELBOW]], [info["suit_torque"][:, ELBOW]]
-    shown = observation[:, arms.layout["suit_torque"]][:, ELBOW]
-    np.testing.assert_allclose(shown, torques[0], rtol=1e-6)
-    for _ in range(60):
-        *_, info = arms.step(np.zeros((24, 2)))
-        angles.append(info["angle"][:, ELBOW])
-        torques.append(info["suit_torque"][:, ELBOW])
-    drawn = set()
-    for angle, torque in zip(np.array(angles).T, np.array(torques).T, strict=True):
+    shown = observation[:, arms.layout["suit_torque"]]
+    np.testing.assert_allclose(shown, info["suit_torque"], rtol=1e-6)
+    moved, drawn = reported(arms, np.zeros((60, 24, 2))), set()
+    both = (np.vstack([info[name][None], moved[name]]) for name in ("angle", "suit_torque"))
+    for angle, torque in zip(*(values[..., ELBOW].T for values in both), strict=True):
         errors = [
             np.abs(torque + model.response(np.append(ENTRY.start_angle, angle))[1:]).max()
             for model in (MODEL, *samples)
@@ -117,8 +115,7 @@ def test_what_is_drawn_is_that_of_an_environment_made_with_it(terms):
             options["misalignment"] = tuple(start.misalignment.tolist())
         made = ArmEnv(coupling="cuffs", **options)
         made.reset(seed=seed)
-        for _ in range(30):
-            one, other = drawn.step(np.full(2, 0.1)), made.step(np.full(2, 0.1))
+        one, other = (go_on(env, 30, 0.1) for env in (drawn, made))
         for name in ("angle", "human_torque", "suit_torque", "cuff_force"):
             np.testing.assert_allclose(one[-1][name], other[-1][name], rtol=1e-7, atol=1e-7)
     assert len(met) > 1
@@ -137,12 +134,8 @@ def wardrobe():
     """Suits whose models are of another kind, or are at fewer joints."""
     own = load_suit("mock-suit")
     play = PrandtlIshlinskii(stiffness=1.5, thresholds=(0.05, 0.2), weights=(6.0, 4.0))
-    about = {"start_angle": 0.0, "grade": "assumed", "source": "of a test"}
     rest = {name: entry for name, entry in own.joints.items() if name != "elbow_flexion"}
-    others = {
-        name: SuitJoint.from_model(play, range=entry.range, **about)
-        for name, entry in own.joints.items()
-    }
+    others = {name: entry.model_copy(update={"model": play}) for name, entry in own.joints.items()}
     made = {"none at the elbow": rest, "play": others}
     return {
         name: Suit(name=name, description="of a test", joints=joints)
@@ -158,10 +151,9 @@ def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(other, 
     made = ArmEnv(suit=other)
     for env in (drawn, made):
         env.reset(seed=4)
-    for _ in range(100):
-        one, two = drawn.step(np.full(2, 0.1)), made.step(np.full(2, 0.1))
-        for name in ("angle", "suit_torque", "dissipated_energy"):
-            np.testing.assert_array_equal(one[-1][name], two[-1][name])
+    one, two = (reported(env, np.full((100, 2), 0.1)) for env in (drawn, made))
+    for name in ("angle", "suit_torque", "dissipated_energy"):
+        np.testing.assert_array_equal(one[name], two[name])
 
 
 def test_rows_of_one_batch_wear_suits_of_other_kinds(tmp_path):
@@ -174,8 +166,7 @@ def test_rows_of_one_batch_wear_suits_of_other_kinds(tmp_path):
     models = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
     kinds = {Clipped, Asymmetric, PrandtlIshlinskii}  # Asymmetric: emu-like, with its gas
     assert {type(model) for model in models} == kinds
-    for _ in range(20):
-        *_, info = arms.step(np.zeros((16, 2)))
+    info = go_on(arms, 20)[-1]
     without = ["elbow_flexion" not in arms.episodes._start(row).suit for row in range(16)]
     np.testing.assert_array_equal(info["suit_torque"][:, ELBOW] == 0, without)
     assert 0 < np.sum(without) < 16
@@ -219,3 +210,99 @@ def test_cycles_change_the_torque_of_a_suit_that_softens():
         config = ArmConfig(suit=suit_of(softening=softening), preconditioned=preconditioned)
         model = suit_of_config(config).joints["elbow_flexion"].model
         assert model.certificate().torque_bound == pytest.approx(factor * bound)
+
+
+def play(env, seed, periods=20):
+    """Returns the states of two episodes after some control periods."""
+    states = []
+    for given in (seed, None):
+        env.reset(seed=given)
+        go_on(env, periods, 0.1)
+        states.append(env.get_state())
+    return states
+
+
+def assert_same(states, others):
+    for state, other in zip(states, others, strict=True):
+        assert_same_states(state, other)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_level_is_its_options_and_the_same_seed_the_same_episodes(level):
+    named = ArmEnv(coupling="cuffs", level=level)
+    found = play(named, 4)
+    assert_same(found, play(named, 4))  # another episode came before
+    options = with_level({"coupling": "cuffs", "level": level})
+    assert "level" not in options
+    assert_same(found, play(ArmEnv(**options), 4))
+    assert not np.array_equal(found[0]["physics"], play(named, 5)[0]["physics"])
+
+
+def test_levels_differ_and_nominal_is_the_default():
+    states = {level: play(ArmEnv(level=level), 1) for level in LEVELS}
+    assert_same(states["nominal"], play(ArmEnv(), 1))
+    one, other = (states[level][0]["physics"] for level in ("nominal", "randomized"))
+    assert one.shape == other.shape and not np.array_equal(one, other)
+    for level in ("randomized", "shift", "faults"):  # the motion is the same at each
+        np.testing.assert_array_equal(states["nominal"][0]["angle"], states[level][0]["angle"])
+
+
+def test_options_that_are_given_win():
+    shift = LEVELS["shift"]
+    assert with_level({"level": "shift", "gravity": "moon"}) == {**shift, "gravity": "moon"}
+    assert ArmEnv(level="shift", gravity="moon").config.gravity == "moon"
+    rows = [({}, shift["pressure"]), ({"suit": "mock-suit"}, None)]  # the pressure is of the suit
+    for given, pressure in [*rows, ({"suit": "emu-like", "pressure": 30.0}, 30.0)]:
+        config = ArmEnv(level="shift", **given).config
+        assert (config.suit, config.pressure) == (given.get("suit", shift["suit"]), pressure)
+
+
+def test_terms_are_replaced_one_by_one():
+    usual = {k: v for k, v in LEVELS["randomized"]["randomize"].items() if k != "misalignment"}
+    own = {"pressure": 0.0, "gravity": ["moon", "mars"]}
+    found = with_level({"level": "randomized", "randomize": own})["randomize"]
+    assert found == {**usual, **own}
+    env = ArmEnv(level="randomized", randomize=own)
+    assert env.episodes.setup.randomize == Randomization(**usual | own)
+    # A Randomization says all of its terms.
+    whole = Randomization(load=0.1)
+    found = with_level({"level": "randomized", "randomize": whole})["randomize"]
+    assert Randomization(**found) == whole
+    assert LEVELS["randomized"]["randomize"].keys() > usual.keys()  # nothing has changed there
+    assert with_level({"level": "nominal", "randomize": own}) == {"randomize": own}
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_what_a_level_says_of_what_is_not_there_does_not_count(level):
+    for coupling, suit in product(("rigid", "cuffs", "none"), ("none", "mock-suit")):
+        options = with_level({"level": level, "coupling": coupling, "suit": suit})
+        terms = options.get("randomize", {})
+        assert options["suit"] == suit
+        if coupling != "cuffs":
+            assert "misalignment" not in terms
+        if suit == "none":
+            assert "pressure" not in terms
+            assert not options.keys() & {"pressure", "preconditioned"}
+        ArmEnv(**options).reset(seed=0)  # no check refuses it
+
+
+@pytest.mark.parametrize(
+    ("level", "reference"),
+    [("shift", "suited"), ("randomized", "suited"), ("randomized", "unsuited")],
+)
+def test_references_are_of_the_same_wearers_places_and_motions(level, reference):
+    given = {"level": level, "coupling": "cuffs"}
+    exo, other = ArmEnv(**given), ArmEnv(**reference_options(reference, given))
+    assert not other.action_space.shape[0]
+    assert (other.config.suit == "none") == (reference == "unsuited")
+    for field in ("gravity", "wearer", "side", "tilt"):
+        assert getattr(other.config, field) == getattr(exo.config, field)
+    met = set()
+    for seed in range(5):
+        exo.reset(seed=seed)
+        other.reset(seed=seed)
+        one, two = exo.get_state(), other.get_state()
+        for name in ("angle", "wearer", "load", "free_fall"):
+            np.testing.assert_array_equal(one[name], two[name], name)
+        met.add(int(one["wearer"][0]))
+    assert (len(met) > 1) == (level == "randomized")

@@ -1,4 +1,4 @@
-"""Policies, references and bounds on the same motions, and what their scores say."""
+"""Policies, references and bounds on the same new motions, and what their scores say."""
 
 import json
 from dataclasses import replace
@@ -13,6 +13,7 @@ from activesuit.envs.evaluation.run import reference_options
 from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.interface.reward import COSTS
 from activesuit.envs.model import Exo
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import NoAssist, make_policy
 from helpers import assert_refused, shorten_tasks, without_volume_shares
 from scipy.optimize import minimize
@@ -24,8 +25,6 @@ DT = 0.01
 
 
 class Push(NoAssist):
-    """Pushes the arm down a little, whatever happens."""
-
     command = -0.1
 
     def torque(self, seen):
@@ -33,8 +32,6 @@ class Push(NoAssist):
 
 
 class Lose(Push):
-    """Pushes with all it has."""
-
     command = -1.0
 
 
@@ -51,14 +48,9 @@ def weightless(short):
     reported = {}
     shipped = ("none", "gravity", "oracle", "feedforward", "compensation")
     policies = {"mine": Push, **{name: name for name in (*shipped, *BOUNDS)}}
-    found = evaluate(
-        ENV,
-        policies,
-        motions=MOTIONS,
-        gravity="microgravity",
-        threads=1,
-        on_policy=lambda name, traces: reported.update({name: len(traces)}),
-    )
+    options = {"motions": MOTIONS, "gravity": "microgravity", "threads": 1}
+    options["on_policy"] = lambda name, traces: reported.update({name: len(traces)})
+    found = evaluate(ENV, policies, **options)
     assert reported == dict.fromkeys(["suited", "unsuited", *policies], MOTIONS)
     return found
 
@@ -81,8 +73,8 @@ def test_what_each_policy_gives_back(weightless):
     relief = {name: weightless.relief(name).value for name in weightless.scores}
     order = ["mine", "none", "feedforward", "compensation", "best-known-plan"]
     assert sorted(order, key=relief.get) == order
-    rewards = {name: np.mean(weightless.scores[name].reward) for name in order}
-    assert rewards["mine"] < rewards["none"] < rewards["feedforward"] < rewards["best-known-plan"]
+    mine, none, feedforward, _, best = (np.mean(weightless.scores[name].reward) for name in order)
+    assert mine < none < feedforward < best
     assert relief["gravity"] == pytest.approx(relief["none"], abs=1e-6)  # nothing has weight
     assert weightless.share_of_bound("feedforward", "clairvoyant-suit").value > 0.6
     assert relief["feedforward"] == pytest.approx(relief["oracle"], abs=0.15)
@@ -133,9 +125,6 @@ def test_an_evaluation_becomes_json(weightless):
     assert found["scores"]["none"]["relief"] == weightless.relief("none").to_dict()
 
 
-# --- Few motions --------------------------------------------------------------------------------
-
-
 def test_wearers_who_have_learned_nothing_and_two_motions_without_an_interval(short):
     found = evaluate(ENV, ["none", Push], motions=2, adapted=False, threads=1)
     assert list(found.scores) == ["unsuited", "suited", "none", "Push"]
@@ -166,9 +155,6 @@ def test_no_wearer_adapts_to_a_policy_that_loses_the_arm(short):
     assert found.scores["lose"].failures == 1
     message = r"loses the arm after .* s \(seed 10000\).*adapted=False"
     assert_refused(lambda: evaluate(ENV, {"lose": Lose}, **options), [(message,)])
-
-
-# --- References and bounds ----------------------------------------------------------------------
 
 
 def test_references_have_the_same_wearer_but_no_exoskeleton():
@@ -212,9 +198,6 @@ def test_a_plan_rations_the_heat_of_motors():
     assert best.success and ((given - wanted) ** 2).sum() <= 1.01 * best.fun
 
 
-# --- Bad input ----------------------------------------------------------------------------------
-
-
 def test_named_policies_see_units_whatever_others_see(short):
     few = {"motions": 2, "references": False, "adapted": False}
     reported = [
@@ -237,11 +220,7 @@ def test_mistakes(short):
         ({"mine": NoAssist, "push": 0.2}, {}, r"policy 'push' is 0\.2: give a name, or a function"),
         (["best-known-plan"], {"coupling": "none"}, "'best-known-plan' needs motors, and coupling"),
         ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': name each one once"),
-        (
-            ["none"],
-            {"learned_torque": True},
-            "evaluate sets learned_torque itself: leave ",
-        ),
+        (["none"], {"learned_torque": True}, "evaluate sets learned_torque itself: leave "),
         (["none"], {"settled": False}, "'settled' was a name of version 0.2: write 'adapted'"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
     ]
@@ -251,3 +230,74 @@ def test_mistakes(short):
         ),
         rows,
     )
+
+
+ELBOW = "ActiveSuit/ElbowFlexion-v0"
+FEW = {"motions": 2, "references": False, "max_episode_steps": 100}
+
+
+class Rehearses:
+    """Remembers what it saw of a motion, to know it in the next rollout."""
+
+    def __init__(self, plant):
+        self.angle, self.known, self.seen = plant.layout["angle"], None, []
+
+    def reset(self):
+        self.known, self.seen = np.array(self.seen) if self.seen else None, []
+
+    def act(self, observation):
+        self.seen.append(observation[..., self.angle].copy())
+        known = 0.0 if self.known is None else 0.5  # a plan of the whole motion would stand here
+        return np.full((*observation.shape[:-1], 2), known)
+
+
+class Practices:
+    """Counts its rollouts, and learns in those of practice."""
+
+    practice = 3
+    counts: list
+
+    def __init__(self, plant):
+        self.rollouts = 0
+
+    def reset(self):
+        self.rollouts += 1
+        type(self).counts.append(self.rollouts)
+
+    def act(self, observation):
+        return np.zeros((*observation.shape[:-1], 2))
+
+
+def test_a_rehearsal_is_worth_nothing():
+    found = evaluate(ELBOW, {"off": "none", "rehearsed": Rehearses}, **FEW).scores
+    assert found["rehearsed"].effort == found["off"].effort
+    assert found["rehearsed"].assist_energy == found["off"].assist_energy
+
+
+def test_a_look_at_the_intention_is_refused():
+    ways = ("episodes", "unwrapped", "simulation", "get_state")
+    rows = [(way, f"a policy asks for '{way}' of the environment: it gets") for way in ways]
+    assert_refused(
+        lambda way: evaluate(ELBOW, {"peek": lambda plant: getattr(plant, way)}, **FEW), rows
+    )
+
+
+def test_practice_is_on_other_motions_and_kept():
+    Practices.counts = []
+    evaluate(ELBOW, {"practiced": Practices}, **FEW)
+    # Three rollouts of practice; each of the four after them gets a copy that practiced.
+    assert Practices.counts == [1, 2, 3, 4, 4, 4, 4]
+
+
+def test_the_plant_says_what_a_controller_may_know():
+    env = ArmEnv("ArmTracking", sensors=["encoders", "interaction"], suit="emu-like")
+    plant = Plant.of(env.episodes)
+    assert plant.layout == env.layout and plant.peak.tolist() == [40.0, 25.0]
+    assert (plant.dt, plant.motors, plant.assisted.tolist()) == (0.01, 2, [1, 2])
+    plant.peak[:] = 0  # a copy
+    assert Plant.of(env.episodes).peak.tolist() == [40.0, 25.0]
+    observation, _ = env.reset(seed=0)
+    plant = Plant.of(env.episodes)
+    one, other = make_policy("compensation", plant), make_policy("compensation", env)
+    np.testing.assert_array_equal(one.act(observation), other.act(observation))
+    assert not hasattr(plant, "intention")

@@ -45,11 +45,10 @@ CASES = {  # an interval, and the truth
 }
 
 
-@pytest.mark.parametrize("motions", [20, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("interval", "truth"), CASES.values(), ids=CASES)
-def test_coverage(interval, truth, motions):
+def test_coverage(interval, truth):
     rng = np.random.default_rng(1)
-    found = [interval(rng, motions, resamples=RESAMPLES, seed=seed) for seed in range(REPEATS)]
+    found = [interval(rng, MOTIONS, resamples=RESAMPLES, seed=seed) for seed in range(REPEATS)]
     kept = np.mean([one.low <= truth <= one.high for one in found])
     assert kept == pytest.approx(LEVEL, abs=tolerance(REPEATS))
 

@@ -17,7 +17,7 @@ from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.simulation.wearer_control import COCONTRACTION
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
-from arms import addresses, physics
+from arms import addresses, physics, reported
 from helpers import assert_refused
 
 ASSISTED = [1, 2]
@@ -29,15 +29,9 @@ def motion(request):
     """A motion under random actions, with all that the environment returns."""
     env = ArmEnv(coupling=request.param, exo={"elbow": {"continuous_torque": 4.0}})
     env.reset(seed=2)
-    rng, reported = np.random.default_rng(1), []
+    rng = np.random.default_rng(1)
     actions = np.repeat(rng.uniform(-0.8, 0.8, (50, 2)), 2, axis=0)
-    for action in actions:
-        _, reward, ended, _, info = env.step(action)
-        assert not ended
-        reported.append({**info, "reward": reward})
-    names = reported[0].keys() - {"reward_terms", "cost_terms"}
-    series = {name: np.array([one[name] for one in reported]) for name in names}
-    return SimpleNamespace(env=env, actions=actions, infos=reported, **series)
+    return SimpleNamespace(env=env, actions=actions, **reported(env, actions))
 
 
 def test_rewards_by_hand(motion):
@@ -59,7 +53,7 @@ def test_rewards_by_hand(motion):
 
 
 def test_costs_by_hand(motion):
-    costs = motion.infos[-1]["cost_terms"]
+    costs = motion.cost_terms[-1]
     assert tuple(costs) == COSTS
     change = np.diff(motion.actions, axis=0)
     assert costs["chatter"] == pytest.approx(np.sum(change**2))
@@ -116,8 +110,6 @@ def test_chatter_shows_and_costs():
 
 
 class Down(NoAssist):
-    """Pushes the arm down with all that motors have."""
-
     def torque(self, seen):
         return super().torque(seen) - self.peak
 
@@ -187,7 +179,6 @@ def test_measurements_for_an_own_reward_have_their_shapes():
 
 
 def test_rows_that_begin_anew_have_no_reward():
-    """In the mode NextStep the reward is of the rows that move."""
     env = ArmVectorEnv(2, "ArmTracking", reward=own_rewards.gentle, max_episode_steps=2)
     rewards = steps(env, 3, (2, 2))
     assert (rewards[1] > 0).all() and (rewards[2] == 0).all()

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.model.bushing import Bushing, attach_bushing, replace_bushing
+from arms import posed
 from helpers import assert_refused
 from mujoco.batch import Batch
 from scipy.spatial.transform import Rotation
@@ -101,11 +102,9 @@ def test_the_torque_is_right_at_every_angle(axis):
     )
     attach_bushing(spec, "cuff", "limb", "exo", Bushing(rotational_stiffness=(30, 30, 30)))
     model = spec.compile()
-    data = mujoco.MjData(model)
     for angle in (0, 1e-200, 1e-9, 0.0999, 0.1001, 1.57, 2.1, 3.1, 3.141592, 4.0, 6.0):
         for sign in (1, -1):
-            data.qpos[:] = sign * angle
-            mujoco.mj_forward(model, data)
+            data = posed(model, sign * angle)
             turn = sign * (angle if angle < np.pi else angle - 2 * np.pi)
             assert data.qfrc_passive[0] == pytest.approx(-30 * turn, rel=1e-14, abs=1e-13)
 
@@ -155,14 +154,13 @@ def test_two_bushings_and_a_site_on_the_world():
     attach_bushing(spec, "one", "limb", "exo", Bushing(stiffness=(10, 10, 10)))
     attach_bushing(spec, "two", "wall", "limb", Bushing(stiffness=(20, 20, 20)))
     model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    data = posed(model)
     limb, exo = data.site("limb").xpos, data.site("exo").xpos
     np.testing.assert_allclose(data.qfrc_passive[:3], 10 * (exo - limb) - 20 * limb, rtol=1e-12)
     assert model.nsensor == 6
 
 
-def test_wrong_names_are_refused():
+def test_wrong_names_and_numbers_are_refused():
     spec = mujoco.MjSpec.from_string(FREE.format(sensors=""))
     attach_bushing(spec, "cuff", "limb", "exo", Bushing())
     model = spec.compile()
@@ -175,6 +173,13 @@ def test_wrong_names_are_refused():
         (replace_bushing, model, state[:3], "cuff", r"plugin_state has the shape \(3,\)"),
     ]
     assert_refused(lambda call, *given: call(*given, Bushing()), rows)
+    rows = [
+        ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
+        ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
+        ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
+        ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
+    ]
+    assert_refused(lambda change: Bushing(**change), rows)
 
 
 def plain_mjcf(config, sensor="a_force"):
@@ -201,16 +206,6 @@ def test_plain_mjcf_works_and_its_mistakes_get_one_sentence():
     for config, sensor, sentence in rows:
         with pytest.raises(ValueError, match=sentence):
             mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
-
-
-def test_numbers_that_are_no_bushing_are_refused():
-    rows = [
-        ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
-        ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
-        ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
-        ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
-    ]
-    assert_refused(lambda change: Bushing(**change), rows)
 
 
 @pytest.mark.parametrize(

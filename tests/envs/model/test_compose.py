@@ -5,12 +5,12 @@ from itertools import product
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, Suit, load_suit, save_suit, suit_names
+from activesuit.assets import JOINTS, SCENE, load_suit, save_suit, suit_names
 from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm, compose
 from activesuit.envs.model.compose import resisting_joints
 from activesuit.envs.model.config import COUPLINGS, SIDES
-from activesuit.envs.person import segments
-from arms import PEOPLE
+from activesuit.envs.person import Person, isometric_strength, range_of_motion, segments
+from arms import PEOPLE, posed
 from helpers import assert_refused, without_volume_shares
 from scipy.stats import qmc
 
@@ -78,9 +78,7 @@ def control_limits(model):
 
 def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
     """Gravity torque of the horizontal arm [N·m]."""
-    data = mujoco.MjData(model)
-    data.joint("shoulder_flexion").qpos[0] = np.pi / 2
-    mujoco.mj_forward(model, data)
+    data = posed(model, [0, np.pi / 2, *np.zeros(model.nq - 2)])
     return [data.joint(joint).qfrc_bias[0] for joint in joints]
 
 
@@ -96,15 +94,10 @@ def test_gravity_torque_of_the_bare_arm():
 @pytest.mark.parametrize("person", PEOPLE[1:3])
 def test_an_arm_without_suit_and_exoskeleton_weighs_what_the_bare_arm_does(person):
     config = ArmConfig(suit="none", coupling="none", wearer=person)
-    arm = segments(person)
-    elbow = 9.81 * (
-        arm["forearm"].mass * arm["forearm"].center
-        + arm["hand"].mass * (arm["forearm"].length + arm["hand"].center)
-    )
-    shoulder = elbow + 9.81 * (
-        arm["upper_arm"].mass * arm["upper_arm"].center
-        + (arm["forearm"].mass + arm["hand"].mass) * arm["upper_arm"].length
-    )
+    upper_arm, forearm, hand = segments(person).values()
+    elbow = 9.81 * (forearm.mass * forearm.center + hand.mass * (forearm.length + hand.center))
+    below = (forearm.mass + hand.mass) * upper_arm.length
+    shoulder = elbow + 9.81 * (upper_arm.mass * upper_arm.center + below)
     for model in (compose(config), bare_arm(config)):
         np.testing.assert_allclose(gravity_torque(model), [shoulder, elbow], rtol=1e-12)
 
@@ -133,9 +126,7 @@ def test_a_leaning_torso_turns_the_arm_in_the_gravity_field(pitch):
     torque = []
     for tilt, flexion in (((0.0, 0.0), np.pi / 2), ((pitch, 0.0), np.pi / 2 + pitch)):
         model = bare_arm(ArmConfig(tilt=tilt))
-        data = mujoco.MjData(model)
-        data.joint("shoulder_flexion").qpos[0] = flexion
-        mujoco.mj_forward(model, data)
+        data = posed(model, [0, flexion, 0, 0])
         torque.append(data.qfrc_bias.copy())
         hips, torso = data.body("legs").xpos, data.body("torso").xpos
         assert np.linalg.norm(torso - hips) == pytest.approx(0.54)
@@ -152,17 +143,22 @@ def test_a_suit_file_with_a_new_content_is_read_again(tmp_path):
     assert compose(ArmConfig(suit=path)).nplugin == 1
 
 
-PROPORTIONAL = without_volume_shares(load_suit("emu-like"))
+EMU = load_suit("emu-like")
 
 
 @pytest.mark.parametrize("pressure", [40.0, 0.0])
 def test_a_config_scales_the_suit_to_its_pressure(pressure):
-    scaled = resisting_joints(ArmConfig(suit=PROPORTIONAL, pressure=pressure))
-    assert resisting_joints(ArmConfig(suit=PROPORTIONAL)) == PROPORTIONAL.joints
-    assert scaled == PROPORTIONAL.at_pressure(pressure).joints
-    assert compose(ArmConfig(suit=PROPORTIONAL, pressure=pressure)).nplugin == len(scaled)
-    used = ArmConfig(suit=PROPORTIONAL, pressure=pressure, preconditioned=True)
-    assert resisting_joints(used) == PROPORTIONAL.at_pressure(pressure).preconditioned().joints
+    proportional = without_volume_shares(EMU)
+    assert resisting_joints(ArmConfig(suit=proportional)) == proportional.joints
+    for suit in (EMU, proportional):
+        scaled = suit.at_pressure(pressure).joints
+        data = posed(model := compose(ArmConfig(suit=suit, pressure=pressure)), 0.7)
+        assert model.nplugin == len(scaled)
+        for joint, entry in scaled.items():
+            torque = -data.sensor(f"{joint}_suit_torque").data[0]
+            assert torque == pytest.approx(entry.response([0.7])[0], abs=1e-12)
+    used = ArmConfig(suit=proportional, pressure=pressure, preconditioned=True)
+    assert resisting_joints(used) == proportional.at_pressure(pressure).preconditioned().joints
 
 
 def test_the_pressure_of_the_papers_suit_is_not_known():
@@ -171,9 +167,8 @@ def test_the_pressure_of_the_papers_suit_is_not_known():
 
 def test_a_preconditioned_suit_begins_in_its_steady_cycle():
     fresh, used = (ArmConfig(preconditioned=used) for used in (False, True))
-    data = mujoco.MjData(model := compose(used))
-    data.qpos[:] = angles = [0.4, 0.6, 0.8, 0.3]
-    mujoco.mj_forward(model, data)
+    angles = [0.4, 0.6, 0.8, 0.3]
+    data = posed(model := compose(used), angles)
     for joint, angle in zip(JOINTS, angles, strict=True):
         torque = -data.sensor(f"{joint}_suit_torque").data[0]
         entry = resisting_joints(used)[joint]
@@ -185,16 +180,95 @@ def test_a_preconditioned_suit_begins_in_its_steady_cycle():
     assert compose(fresh).npluginstate == model.npluginstate
 
 
-def test_a_volume_share_reaches_the_physics():
-    elbow = load_suit("emu-like").joints["elbow_flexion"]
-    gas = elbow.model_copy(update={"volume_share": 0.8})
-    suit = Suit(name="s", description="", pressure_kpa=29.6, joints={"elbow_flexion": gas})
-    for pressure in (0.0, 40.0):
-        model = compose(ArmConfig(suit=suit, pressure=pressure))
-        data = mujoco.MjData(model)
-        data.qpos[2] = 1.3
-        mujoco.mj_forward(model, data)
-        expected = suit.at_pressure(pressure).joints["elbow_flexion"].response([1.3])[0]
-        torque = -data.sensor("elbow_flexion_suit_torque").data[0]
-        assert torque == pytest.approx(expected, abs=1e-12)
-        assert (torque > elbow.response([1.3])[0]) == (pressure > 29.6)
+FIGURES = {
+    "small": Person.percentile("female", 5),
+    "long and thin": Person(stature=2.1, mass=60.0),
+    "short and strong": Person(stature=1.4, mass=90.0, sex="female", strength=95.0),
+}
+PREVIOUS = {"forearm": "upper_arm", "hand": "forearm"}
+
+
+def test_the_file_is_the_default_configuration_to_its_printed_digits():
+    drawn, fitted = mujoco.MjModel.from_xml_path(str(SCENE)), compose(ArmConfig())
+    names = [fitted.body(i).name for i in range(fitted.nbody)]
+    rows = [drawn.body(name).id for name in names]
+    for field, digits in (("pos", 4), ("ipos", 4), ("mass", 3), ("inertia", 5)):
+        values = [getattr(model, f"body_{field}") for model in (drawn, fitted)]
+        np.testing.assert_allclose(values[1], values[0][rows], atol=0.5 * 10**-digits, rtol=1e-9)
+    joints = ("jnt_range", "jnt_stiffness", "jnt_actfrcrange", "qpos_spring", "key_qpos")
+    motors = ("dof_armature", "dof_damping", "dof_frictionloss", "actuator_forcerange")
+    for field in (*joints, *motors):
+        wanted = getattr(drawn, field)
+        np.testing.assert_allclose(getattr(fitted, field), wanted, atol=0.05, err_msg=field)
+    for field in ("actuator_armature", "actuator_damping"):
+        np.testing.assert_array_equal(getattr(fitted, field), getattr(drawn, field), field)
+
+
+@pytest.mark.parametrize("person", FIGURES.values(), ids=FIGURES)
+@pytest.mark.parametrize("model_of", [bare_arm, compose])
+def test_segments_are_the_persons(person, model_of):
+    model = model_of(ArmConfig(wearer=person))
+    own = segments(person)
+    for name, segment in own.items():
+        body = model.body(name)
+        assert body.mass[0] == segment.mass
+        np.testing.assert_array_equal(body.ipos, [0, 0, -segment.center])
+        np.testing.assert_allclose(sorted(body.inertia), sorted(segment.inertia), rtol=1e-9)
+        if name in PREVIOUS:
+            np.testing.assert_array_equal(body.pos, [0, 0, -own[PREVIOUS[name]].length])
+
+
+@pytest.mark.parametrize("person", FIGURES.values(), ids=FIGURES)
+def test_limits_are_wearer_and_motor(person):
+    config = ArmConfig(wearer=person)
+    model = compose(config)
+    low, high = isometric_strength(person)
+    for joint, limits in zip(JOINTS, zip(-low, high, strict=True), strict=True):
+        motor = config.exo.motors.get(joint)
+        peak = motor.peak_torque if motor else 0.0
+        np.testing.assert_allclose(model.actuator(f"human_{joint}").forcerange, limits)
+        both = [limits[0] - peak, limits[1] + peak]
+        np.testing.assert_allclose(model.jnt_actfrcrange[model.joint(joint).id], both)
+
+
+def test_parts_stay_on_the_limbs_of_a_person_with_other_proportions():
+    # A woman's forearm is shorter for her stature than that of the man who is drawn.
+    person = Person(stature=1.78, mass=80.0, sex="female")
+    ratio = segments(person)["forearm"].length / segments(Person())["forearm"].length
+    assert ratio < 0.99
+    drawn, fitted = compose(ArmConfig()), compose(ArmConfig(wearer=person))
+    expected = drawn.site("cuff_forearm").pos * [1, 1, ratio]
+    np.testing.assert_allclose(fitted.site("cuff_forearm").pos, expected, atol=1e-12)
+    # The motor of the elbow is on the link of the upper arm, at the axis that it turns.
+    at_elbow = fitted.site("motor_elbow").pos[2]
+    assert at_elbow == pytest.approx(fitted.body("forearm").pos[2], abs=1e-4)
+    link = [model.geom("exo_forearm_link").size for model in (drawn, fitted)]
+    np.testing.assert_allclose(link[1], link[0] * [1, 1, ratio], atol=1e-12)
+    assert fitted.body("exo_forearm").mass == drawn.body("exo_forearm").mass
+
+
+def test_a_similar_person_gets_a_similar_figure():
+    # Same sex: all lengths have one ratio; the suit's masses that of its area.
+    ratio = 1.2 / 1.0
+    drawn = compose(ArmConfig(wearer=Person(stature=1.5)))
+    larger = compose(ArmConfig(wearer=Person(stature=1.5 * ratio)))
+    for name in ("torso", "shoulder", "forearm", "exo_base"):
+        np.testing.assert_allclose(larger.body(name).pos, ratio * drawn.body(name).pos, atol=1e-12)
+    for name in ("suit_upper_arm", "suit_forearm", "suit_hand"):
+        a, b = drawn.body(name), larger.body(name)
+        np.testing.assert_allclose(b.mass, ratio**2 * a.mass)
+        np.testing.assert_allclose(b.inertia, ratio**4 * a.inertia)
+    figures = []
+    for model in (drawn, larger):
+        visual = (model.geom_group == 2) & (model.geom_bodyid > 0)
+        figures.append(posed(model).geom_xpos[visual])
+    np.testing.assert_allclose(figures[1], ratio * figures[0], atol=1e-9)
+
+
+def test_without_a_suit_the_joints_move_as_far_as_the_persons():
+    model = compose(ArmConfig(suit="none"))
+    for joint in JOINTS:
+        np.testing.assert_array_equal(model.joint(joint).range, range_of_motion(joint))
+    names = {model.body(i).name for i in range(model.nbody)}
+    assert not any(name.startswith("suit_") for name in names)
+    assert model.nplugin == 0

@@ -1,14 +1,17 @@
-"""The exoskeleton on its own joints: the same mechanism as the rigid one, joined by cuffs."""
+"""The exoskeleton: its joints and cuffs against the rigid one, its motors and its masses."""
 
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS, SCENE
-from activesuit.envs.model import ArmConfig, compose
+from activesuit.envs.model import ASSISTED, ArmConfig, Exo, arm_spec, compose
 from activesuit.envs.model.bushing import Bushing, replace_bushing
 from activesuit.envs.model.cuffs import CUFFS, couple
+from activesuit.envs.model.motors import heated
+from arms import mass_matrix, posed
 from helpers import assert_refused
 
 
@@ -35,18 +38,12 @@ def cuff_forces(data):
 def test_moving_as_one_it_is_the_rigid_mechanism(seed):
     rigid = rigid_spec().compile()
     model, data = cuffed()
-    one = mujoco.MjData(rigid)
     rng = np.random.default_rng(seed)
-    low, high = rigid.jnt_range.T
-    one.qpos[:] = rng.uniform(low, high)
-    one.qvel[:] = rng.standard_normal(4)
+    one = posed(rigid, rng.uniform(*rigid.jnt_range.T), rng.standard_normal(4))
     data.qpos[:], data.qvel[:] = np.tile(one.qpos, 2), np.tile(one.qvel, 2)
-    mujoco.mj_forward(rigid, one)
     mujoco.mj_forward(model, data)
     both = np.vstack([np.eye(4), np.eye(4)])
-    inertia = [np.zeros((m.nv, m.nv)) for m in (rigid, model)]
-    mujoco.mj_fullM(rigid, one, inertia[0])
-    mujoco.mj_fullM(model, data, inertia[1])
+    inertia = [mass_matrix(rigid, one), mass_matrix(model, data)]
     np.testing.assert_allclose(both.T @ inertia[1] @ both, inertia[0], atol=5e-6)
     np.testing.assert_allclose(both.T @ data.qfrc_bias, one.qfrc_bias, atol=5e-5)
     np.testing.assert_allclose(both.T @ data.qfrc_passive, one.qfrc_passive, atol=1e-9)
@@ -120,11 +117,9 @@ def test_sensors_on_the_exoskeleton_go_with_it():
         sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_FRAMEPOS)
         sensor.objtype, sensor.objname = site, at
     sensor.reftype, sensor.refname = site, "cuff_forearm"
-    rigid = mujoco.MjData(spec.compile())
+    rigid = posed(spec.compile())
     couple(spec)
-    data = mujoco.MjData(spec.compile())
-    mujoco.mj_forward(rigid.model, rigid)
-    mujoco.mj_forward(data.model, data)
+    data = posed(spec.compile())
     for name in ("ring", "cuff"):
         np.testing.assert_allclose(data.sensor(name).data, rigid.sensor(name).data, atol=1e-12)
 
@@ -140,8 +135,7 @@ def test_links_of_another_length_move_the_axes_and_load_the_cuffs_only_when_bent
     lengths = {"upper_arm_length": 0.31, "forearm_length": 0.25}
     place = {"coupling": "cuffs", "suit": "none", "gravity": "microgravity"}
     usual, model = compose(ArmConfig(**place)), compose(ArmConfig(**place, exo=lengths))
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    data = posed(model)
     axes = [data.joint(f"exo_{joint}").xanchor[2] for joint in JOINTS[1:]]
     np.testing.assert_allclose(-np.diff(axes), list(lengths.values()), atol=1e-12)
     np.testing.assert_allclose(model.body("exo_forearm").mass, usual.body("exo_forearm").mass)
@@ -159,3 +153,83 @@ def test_other_lengths_need_cuffs_and_sense():
         ("cuffs", {"forearm_length": 3}, "forearm_length is 3.*0.15 to 0.5 m"),
     ]
     assert_refused(lambda coupling, exo: ArmConfig(coupling=coupling, exo=exo), rows)
+
+
+MOTORS = Exo().motors
+
+
+def driven(joint, speed=0.0):
+    """The default model with `joint` kept at a speed by an enormous inertia."""
+    spec = arm_spec(ArmConfig(suit="none", gravity="microgravity"))
+    spec.joint(joint).armature = 1e9
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.joint(joint).qvel[0] = speed
+    return model, data
+
+
+@pytest.mark.parametrize(("joint", "turn"), [("shoulder_flexion", 1), ("elbow_flexion", -1)])
+@pytest.mark.parametrize("share", [-1.2, 0.0, 0.7])
+def test_net_torque_falls_linearly_from_the_peak_to_zero_at_no_load_speed(joint, turn, share):
+    motor = MOTORS[joint]
+    speed = share * turn * motor.no_load_speed
+    model, data = driven(joint, speed)
+    actuator = model.actuator(f"assist_{joint}").id
+    data.ctrl[model.actuator_ctrladr[actuator]] = 2 * turn * motor.peak_torque
+    for _ in range(100):  # 0.2 s, 12 time constants of the torque loop
+        data.qpos[:] = 0.5
+        mujoco.mj_step(model, data)
+    net = data.actuator_force[actuator] - motor.viscous * speed
+    # Beyond the peak the torque loop limits the torque, and what turns backward is braked at it.
+    available = motor.peak_torque * (1 - share)
+    limit = motor.peak_torque - motor.viscous * abs(speed) * np.sign(share)
+    assert turn * net == pytest.approx(min(available, limit), abs=1e-3)
+
+
+@pytest.mark.parametrize("joint", ASSISTED)
+def test_torque_follows_a_step_with_the_bandwidth(joint):
+    motor = MOTORS[joint]
+    model, data = driven(joint)
+    actuator = model.actuator(f"assist_{joint}").id
+    data.ctrl[model.actuator_ctrladr[actuator]] = command = 0.4 * motor.peak_torque
+    torque = []
+    for _ in range(50):
+        mujoco.mj_step(model, data)
+        torque.append(data.actuator_force[actuator])
+    time = model.opt.timestep * np.arange(1, 51)
+    expected = command * (1 - np.exp(-2 * np.pi * motor.bandwidth * time))
+    np.testing.assert_allclose(torque, expected, rtol=1e-9)
+
+
+def test_inertia_and_friction_are_the_motors():
+    strong = replace(Exo().elbow, armature=0.05, coulomb=3.2, viscous=0.4)
+    exo = Exo(elbow=strong)
+    inertia, rest = [], []
+    for config in (ArmConfig(suit="none"), ArmConfig(suit="none", exo=exo)):
+        model = compose(config)
+        data = posed(model, rate=1.0)
+        inertia.append(mass_matrix(model, data))
+        rest.append((model.dof_frictionloss.copy(), data.qfrc_passive.copy()))
+    elbow = np.array([0, 0, 1, 0])
+    np.testing.assert_allclose(inertia[1] - inertia[0], 0.03 * np.diag(elbow), atol=1e-12)
+    np.testing.assert_allclose(rest[1][0] - rest[0][0], 1.2 * elbow, atol=1e-12)
+    np.testing.assert_allclose(rest[1][1] - rest[0][1], -0.3 * elbow, atol=1e-12)
+
+
+def test_masses_are_the_configured_ones():
+    links = {"upper_arm_link": 1.3, "forearm_link": 0.8, "cuff": 0.2, "ring": 0.5}
+    exo = {"shoulder": {"mass": 1.1}, "elbow": {"mass": 0.7}, **links}
+    model = compose(ArmConfig(exo=exo))
+    masses = {name: model.body(f"exo_{name}").mass[0] for name in ("upper_arm", "forearm", "hand")}
+    assert masses == pytest.approx({"upper_arm": 2.2, "forearm": 1.0, "hand": 0.5})
+    assert model.body("exo_shoulder_support").mass[0] == pytest.approx(1.1)
+
+
+def test_heat_is_the_running_mean_square():
+    for torque, time_constant in ((10.0, 60.0), (-4.0, 30.0)):
+        many = 0.0
+        for _ in range(1000):
+            many = heated(many, torque, time_constant, 0.01)
+        assert many == pytest.approx(heated(0.0, torque, time_constant, 10.0), rel=1e-10)
+        forever = heated(many, torque, 60.0, 1e5)
+        assert np.sqrt(forever) == pytest.approx(abs(torque), rel=1e-12)

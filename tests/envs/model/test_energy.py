@@ -14,7 +14,7 @@ from activesuit.assets import JOINTS, suit_names
 from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm
 from activesuit.envs.model.config import COUPLINGS, SIDES
 from activesuit.envs.person import segments
-from arms import PEOPLE
+from arms import PEOPLE, posed
 from mujoco.rollout import rollout
 
 KICK = np.array([1.0, 2.0, -2.0, 3.0])  # rad/s
@@ -97,9 +97,7 @@ def test_a_relaxed_arm_only_loses_energy(fields, seconds):
 
 def energies(model, angle, rate):
     """(kinetic, potential) energy [J]."""
-    data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = angle, rate
-    mujoco.mj_forward(model, data)
+    data = posed(model, angle, rate)
     mujoco.mj_energyPos(model, data)
     mujoco.mj_energyVel(model, data)
     return data.energy[1], data.energy[0]

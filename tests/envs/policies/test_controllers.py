@@ -1,17 +1,22 @@
-"""Controllers by an intention, a plan, cycles or cuffs, and the guard, by textbook properties."""
+"""Controllers that plan, learn, adapt or observe, and the guard, by textbook properties."""
 
+import math
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
+import mujoco
 import numpy as np
 import pytest
-from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation import rollout
+from activesuit.assets import load_suit
+from activesuit.envs import TASKS, ArmEnv
+from activesuit.envs.evaluation import evaluate, rollout
+from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.plant import Plant
-from activesuit.envs.policies import make_policy, needed_options
-from activesuit.envs.policies.adaptive import learned
+from activesuit.envs.policies import NoAssist, make_policy, needed_options
+from activesuit.envs.policies.adaptive import SCALES, learned
 from activesuit.envs.policies.guard import RESERVE, lessen, updated_ledger
-from activesuit.envs.policies.observers import CorrectedCompensation
+from activesuit.envs.policies.observers import CorrectedCompensation, MomentumObserver
 from activesuit.envs.simulation.state import PREVIEW
 from shown import asked, made
 
@@ -35,7 +40,7 @@ def test_impedance_gives_the_believed_arm_its_bandwidth():
 
 
 def effort(traces):
-    return np.sqrt(np.mean([trace.effort**2 for trace in traces]))
+    return rms([trace.effort for trace in traces])
 
 
 def test_predictive_sampling_is_no_worse_than_compensation():
@@ -89,7 +94,6 @@ def test_iterative_learning_comes_earlier_by_the_lag_of_the_motors():
 
 
 def test_iterative_learning_helps_from_cycle_to_cycle():
-    """In the ratchet the wearer gives less in the last cycles than under compensation."""
     given = {}
     for name in ("compensation", "iterative"):
         env = ArmEnv("Ratchet", **needed_options(name))
@@ -100,7 +104,7 @@ def test_iterative_learning_helps_from_cycle_to_cycle():
         for _ in range(800):
             observation, *_, info = env.step(policy.act(observation))
             torques.append(info["human_torque"][2])
-        given[name] = np.sqrt(np.mean(np.square(torques[600:])))
+        given[name] = rms(torques[600:])
     assert given["iterative"] < 0.8 * given["compensation"]
 
 
@@ -179,17 +183,9 @@ def test_the_guard_leaves_the_right_compensation_alone():
     assert guarded.acted.tolist() == [0, 0]
 
 
-class Drive:
-    """Drives the arm with its motion, which is unstable."""
-
-    def __init__(self, plant):
-        self.rate = plant.layout["rate"]
-
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return np.clip(2.0 * observation[..., self.rate][..., [1, 2]], -1, 1)
+class Drive(NoAssist):
+    def torque(self, seen):
+        return 2.0 * self.peak * seen["rate"][:, [1, 2]]
 
 
 def test_the_guard_stops_a_policy_that_drives(monkeypatch):
@@ -204,3 +200,114 @@ def test_the_guard_stops_a_policy_that_drives(monkeypatch):
         return sum(np.sum(t.assist_torque * t.rate[:, [1, 2]]) * DT for t in traces)
 
     assert work(tame) < 0.5 * work(wild)
+
+
+@pytest.mark.parametrize("factor", [0.7, pytest.param(1.4, marks=pytest.mark.slow)])
+def test_it_recovers_a_scaled_suit(factor):
+    """Within 10 % in 30 s of motion, by what it says the suit needs along that motion."""
+    suit = load_suit("emu-like")
+    joints = {name: entry.scaled(torque=factor) for name, entry in suit.joints.items()}
+    task = replace(TASKS["MinorLoops"], duration=30.0)
+    options = {"suit": suit.model_copy(update={"joints": joints}), "gravity": "microgravity"}
+    arms = ArmEnv(task, **options, **needed_options("adaptive")).rows(2, max_episode_steps=3000)
+    policy = make_policy("adaptive:suit=emu-like", arms)
+    rollout(arms, policy, [1, 2])
+    scale = policy.estimate[..., 0]
+    np.testing.assert_allclose(scale, factor, rtol=0.1)
+
+
+def test_the_right_belief_stays():
+    options = {"gravity": "microgravity", **needed_options("adaptive")}
+    arms = ArmEnv("ElbowFlexion", **options).rows(2, max_episode_steps=1000)
+    policy = make_policy("adaptive", arms)
+    rollout(arms, policy, [1, 2])
+    np.testing.assert_allclose(policy.estimate[:, 1, 0], 1.0, atol=0.15)
+
+
+def test_no_data_leave_the_certified_set():
+    arms = ArmEnv(**needed_options("adaptive")).rows(3)
+    policy = make_policy("adaptive", arms)
+    still = {"motor_torque": np.zeros((3, 2)), "interaction_torque": np.zeros((3, 4))}
+    policy.begin({"angle": np.zeros((3, 4)), "rate": np.zeros((3, 4)), **still})
+    rng = np.random.default_rng(0)
+    entry = load_suit("mock-suit").joints["elbow_flexion"]
+    for i in range(2000):
+        terms = rng.standard_cauchy((3, 2, 4)) * 10.0 ** rng.integers(-3, 3)
+        measured = rng.choice([np.nan, np.inf, 0.0, 1.0], (3, 2), p=[0.02, 0.02, 0.06, 0.9])
+        policy.learn(terms, measured * rng.standard_cauchy((3, 2)) * 100, rng.random((3, 2)) < 0.9)
+        assert np.isfinite(policy.estimate).all()
+        scale = policy.estimate[..., 0]
+        assert scale.min() >= SCALES[0] and scale.max() <= SCALES[1]
+        if i % 500 == 0:
+            model = entry.model.scaled(torque=float(scale[0, 1]))
+            assert model.certificate(entry.range).certified
+
+
+@pytest.mark.parametrize("bandwidth", [2.0, 30.0])
+def test_the_residual_of_a_step_is_exponential(bandwidth):
+    observer, unknown = MomentumObserver(bandwidth, 0.01), np.array([[3.0, -1.0]])
+    observer.begin(np.zeros((1, 2)))
+    for period in range(1, 100):
+        momentum = (unknown + 0.5) * 0.01 * period
+        residual = observer.step(momentum, np.full((1, 2), 0.5))
+        grown = 1 - math.exp(-bandwidth * 0.01 * period)
+        np.testing.assert_allclose(residual, grown * unknown, rtol=1e-9)
+
+
+def test_the_momentum_observer_finds_a_torque_on_a_moving_arm():
+    # The believed arm swings from rest under gravity, with an unknown constant torque.
+    arm, unknown = Plant.of(ArmEnv(suit="none").episodes).believed(), np.array([4.0, -1.5])
+    inertia, weight, model = arm.inertia(), arm.whole_weight(), arm.model()
+    model.dof_frictionloss[:] = 0
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qfrc_applied[1:3] = [0.1, 0.9, 1.2, 0.1], unknown
+    observer = MomentumObserver(10.0, 0.01)
+    observer.begin(inertia.momentum(data.qpos[None], data.qvel[None])[0])
+    for period in range(1, 61):
+        known = np.zeros((1, 2))
+        for _ in range(10):
+            mujoco.mj_forward(model, data)
+            other = (data.qfrc_passive + data.qfrc_constraint)[None, 1:3]
+            gyration = inertia.momentum(data.qpos[None], data.qvel[None])[1]
+            known += (gyration - weight(data.qpos[None]) + other) / 10
+            data.qvel[:] += 0.001 * data.qacc
+            data.qpos[:] += 0.001 * data.qvel
+        momentum = inertia.momentum(data.qpos[None], data.qvel[None])[0]
+        grown = 1 - math.exp(-0.1 * period)
+        found = observer.step(momentum, known)[0]
+        np.testing.assert_allclose(found, grown * unknown, atol=0.03 * np.abs(unknown).max())
+    assert np.abs(data.qvel).max() > 1  # it has moved fast meanwhile
+
+
+def test_the_momentum_observer_needs_no_model_of_the_suit():
+    options = {"motions": 1, "adapted": False, "references": False}
+    options |= {"gravity": "microgravity", "suit": "emu-like"}
+    policies = ("none", "observer", "compensation:suit=mock-suit")
+    scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores
+    off, observer, compensation = (scores[name].torque["elbow_flexion"][0] for name in policies)
+    assert observer < 0.3 * off and observer < 0.5 * compensation
+
+
+def test_a_disturbance_is_cancelled_through_the_filter():
+    bandwidth = 5.0
+    # At rest, 2 and -1 N·m of the person without any motion: something withstands them.
+    name = f"disturbance-observer:bandwidth={bandwidth}"
+    policy, env = made(name, gravity="microgravity", suit="none")
+    for period in range(1, 60):
+        torque = asked(policy, env, interaction_torque=[0, 2, -1, 0])
+        phase = math.tau * bandwidth * 0.01 * period
+        whole = (1 - (1 + phase) * math.exp(-phase)) * np.array([2, -1])
+        np.testing.assert_allclose(torque, whole, rtol=1e-5)
+
+
+def test_what_the_believed_arm_explains_is_no_disturbance():
+    policy, env = made("disturbance-observer", gravity="earth")
+    compensation = make_policy("compensation", env)
+    peak = env.episodes.simulation.addresses.peak_torque
+    angle = [0, 0.6, 1.0, 0]
+    needed = asked(compensation, env, angle=angle)
+    bare = needed - asked(make_policy("complement", env), env, angle=angle)
+    for _ in range(50):  # motors carry all but the bare arm, which the person holds
+        torque = asked(policy, env, angle=angle, motor_torque=(needed - bare) / peak)
+    np.testing.assert_allclose(torque, needed, atol=1e-4)

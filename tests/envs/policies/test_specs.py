@@ -1,14 +1,17 @@
-"""Policies as data: names, options, beliefs, and classes from outside."""
+"""Policies as data: names, options, beliefs, and classes from outside and of the docs."""
 
 import json
+import re
 import sys
 import types
+from pathlib import Path
 
 import numpy as np
 import pytest
 from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
+from activesuit.envs.making import make_arms
 from activesuit.envs.policies import Belief, make_policy, policy_spec
 from helpers import assert_refused
 
@@ -58,7 +61,6 @@ def test_a_file_runs_no_code_unless_it_is_trusted(name, tmp_path, monkeypatch):
 
 
 def test_a_belief_is_not_the_true_suit():
-    """The weight that a policy carries is that of what it believes."""
     env = ArmEnv()
     right = make_policy("gravity", env).act(OBSERVATION + 0.5)
     loaded = make_policy("gravity:load=3", env).act(OBSERVATION + 0.5)
@@ -95,13 +97,10 @@ def outside(monkeypatch):
 
         def act(self, observation):
             assert observation.shape[-1] == 16
-            if self.bad == "nan":
-                return np.full((*observation.shape[:-1], 2), np.nan)
             if self.bad == "raise":
                 return 1 / 0
-            if self.bad == "shape":
-                return np.zeros(3)
-            return np.full((*observation.shape[:-1], 2), self.gain)
+            given = np.nan if self.bad == "nan" else self.gain
+            return np.full(3 if self.bad == "shape" else (*observation.shape[:-1], 2), given)
 
     module.Mine = Mine
     module.NUMBER = 3
@@ -111,11 +110,8 @@ def outside(monkeypatch):
 
 
 def test_a_class_from_outside_has_options_and_sensors(outside):
-    scores = evaluate(
-        ELBOW,
-        {"mine": "outside:Mine:gain=0.05", "more": {"name": "outside:Mine", "gain": 0.2}},
-        **ONCE,
-    ).scores
+    policies = {"mine": "outside:Mine:gain=0.05", "more": {"name": "outside:Mine", "gain": 0.2}}
+    scores = evaluate(ELBOW, policies, **ONCE).scores
     assert scores["mine"].assist_energy != scores["more"].assist_energy
 
 
@@ -147,14 +143,10 @@ def test_mistakes_in_what_makes_one(outside):
         ("outside:wrong", r"policy 'outside:wrong' makes .*, which has no reset\(\)"),
     ]
     assert_refused(lambda given: make_policy(given, ArmEnv()), rows)
-    # A wrong belief is told even where a class never asks for it.
-    rows = [("outside:Mine:suit=nosuch", "nosuch"), ("outside:Mine:pressure=900", "900")]
-    seen = ArmEnv(sensors=["encoders", "interaction"])
-    assert_refused(lambda given: make_policy(given, seen), rows)
-
-
-def test_options_of_policies_have_ranges():
     rows = [
+        # A wrong belief is told even where a class never asks for it.
+        ("outside:Mine:suit=nosuch", "nosuch"),
+        ("outside:Mine:pressure=900", "900"),
         ("adaptive:forgetting=0.1", "forgetting is 0.1: use a number from 1 to 1000 s"),
         ("disturbance-observer:bandwidth=9", "bandwidth is 9.0: use a number from 0.1 to 5 Hz"),
         ("impedance:damping_ratio=-1", "damping_ratio is -1.0: use a number from 0 to 3"),
@@ -174,3 +166,55 @@ def test_what_it_returns_is_checked(outside):
         ("raise", r"fails in act\(\) \(ZeroDivisionError: division by zero\): repair it"),
     ]
     assert_refused(lambda bad: evaluate(ELBOW, [f"outside:Mine:bad={bad}"], **ONCE), rows)
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "controllers.md"
+BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+(CLASSES,) = (block for block in BLOCKS if "(TorquePolicy)" in block)
+SENSORS = ["encoders", "preview", "interaction"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "my_policies.py").write_text(CLASSES, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return tmp_path
+
+
+def actions(policy, rows=3, steps=40):
+    """The actions of a policy in rows of arms that another one moves."""
+    arms = make_arms("ActiveSuit/ArmTracking-v0", rows, sensors=SENSORS, gravity="microgravity")
+    made, mover = make_policy(policy, arms), make_policy("compensation", arms)
+    observation, _ = arms.reset(seed=3)
+    found = []
+    for _ in range(steps):
+        found.append(made.act(observation))
+        observation, *_ = arms.step(mover.act(observation))
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("own", "shipped"),
+    [
+        ("my_policies:PDPlusSuit:kp=0,kd=0", "feedforward"),
+        ("my_policies:PDPlusSuit:kp=0,kd=0,suit=emu-like", "feedforward:suit=emu-like"),
+        ("my_policies:Damped:damping=0", "compensation"),
+    ],
+)
+def test_without_their_own_part_they_are_the_shipped_ones(folder, own, shipped):
+    found = actions(own)
+    np.testing.assert_array_equal(found, actions(shipped))
+    assert np.abs(found).max() > 0.01
+
+
+def test_their_own_part_acts(folder):
+    for own in ("my_policies:PDPlusSuit:kp=5", "my_policies:Damped"):
+        base = "feedforward" if "PD" in own else "compensation"
+        assert np.abs(actions(own) - actions(base)).max() > 1e-3
+
+
+def test_the_observer_finds_what_the_shipped_one_finds(folder):
+    difference = actions("my_policies:Observed") - actions("observer")
+    assert np.abs(difference).max() < 0.15  # the friction, which the shipped one knows
+    assert np.abs(actions("my_policies:Observed") - actions("gravity")).max() > 0.05

@@ -1,4 +1,4 @@
-"""Trained policies act as the learner that was saved, by NumPy alone."""
+"""Trained policies act as the learner that was saved, by NumPy alone; some ship by a name."""
 
 import json
 import sys
@@ -7,13 +7,25 @@ from importlib.metadata import PackageNotFoundError
 import gymnasium
 import numpy as np
 import pytest
+from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
-from activesuit.envs.policies import Network, make_policy, needed_options, save_policy
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.making import make_arms
+from activesuit.envs.policies import (
+    Network,
+    make_policy,
+    needed_options,
+    policy_spec,
+    save_policy,
+    trained,
+)
+from activesuit.envs.policies.network import read_card
 from activesuit.envs.policies.saving import network_of
+from activesuit.envs.policies.trained import SHIPPED
 from activesuit.envs.sb3 import ArmVecEnv
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.scripts.training.hyperparameters import ALGORITHMS, algorithm_class
-from helpers import assert_refused
+from helpers import assert_refused, fails, run
 from trained_runs import make_run, write_network
 
 pytest.importorskip("stable_baselines3")
@@ -44,7 +56,6 @@ def saved(request, tmp_path_factory):
 
 
 def test_acts_as_the_learner_in_rows_and_in_single_arms(saved):
-    """Rows of two episodes, with the memory of a recurrent network."""
     model, folder, arms = saved
     observed = {"sensors": ["encoders", "preview"], "history": 2, "normalize": True}
     assert needed_options(str(folder)) == {**observed, "belief": None}
@@ -56,9 +67,7 @@ def test_acts_as_the_learner_in_rows_and_in_single_arms(saved):
         one.reset()
         state, begin = None, np.ones(3, bool)
         for _ in range(10):
-            expected, state = model.predict(
-                observation, state=state, episode_start=begin, deterministic=True
-            )
+            expected, state = model.predict(observation, state, begin, deterministic=True)
             action = policy.act(observation)
             np.testing.assert_allclose(action, expected, rtol=0, atol=1e-6)
             np.testing.assert_allclose(one.act(observation[1]), action[1], atol=1e-12)
@@ -210,7 +219,6 @@ def test_networks_that_make_no_policy(tmp_path):
 
 
 def test_a_belief_of_a_file_is_part_of_the_card(tmp_path):
-    from activesuit.assets import load_suit, save_suit
     from stable_baselines3 import PPO
 
     save_suit(load_suit("emu-like"), tmp_path / "mine.json")
@@ -223,3 +231,46 @@ def test_a_belief_of_a_file_is_part_of_the_card(tmp_path):
     needed = needed_options(str(tmp_path / "policy"))
     again = ArmVectorEnv(2, "ArmTracking", **needed)
     make_policy(str(tmp_path / "policy"), again).act(again.reset(seed=0)[0])
+
+
+pytest.importorskip("stable_baselines3")
+
+
+@pytest.fixture
+def shipped(tmp_path, monkeypatch):
+    """A network of this name ships."""
+    make_run(tmp_path / "my-network")
+    card = tmp_path / "my-network" / "policy.json"
+    card.write_text(json.dumps({**json.loads(card.read_text()), "summary": "It does little."}))
+    monkeypatch.setattr(trained, "SHIPPED", tmp_path)
+
+
+def test_it_acts_by_its_name_in_any_scene(shipped, capsys):
+    needed = needed_options("my-network")
+    arms = make_arms("ActiveSuit/ArmTracking-v0", 2, suit="emu-like", **needed)
+    policy = make_policy("my-network", arms)
+    action = policy.act(arms.reset(seed=0)[0])
+    assert action.shape == (2, 2) and np.abs(action).max() <= 1
+    assert str(policy_spec("my-network")) == "my-network"
+    rows = [("my-net-work", "my-network"), ("my-network:gain=2", "has no options")]
+    assert_refused(policy_spec, rows)
+    given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
+    assert "my-network" in run(capsys, *given, "--motions", "8", "--unadapted")
+    assert "It does little." in run(capsys, "list", "policies")
+    observed = fails(capsys, *given, "--history", "3")
+    assert "what a policy observes follows from the policy" in observed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(path.name for path in SHIPPED.iterdir()))
+def test_what_ships_is_small_and_relieves(name):
+    folder = SHIPPED / name
+    assert {path.name for path in folder.iterdir()} == {"policy.json", "policy.safetensors"}
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 200_000
+    card = read_card(folder)
+    assert card.license == "Apache-2.0"
+    assert len(card.training["best_of_seeds"]) >= 3
+    assert card.summary.endswith(".")
+    short = {"motions": 8, "max_episode_steps": 300, "threads": 1}
+    found = evaluate("ActiveSuit/ArmTracking-v0", ["none", name], **short)
+    assert found.relief(name).low > found.relief("none").high

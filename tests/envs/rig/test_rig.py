@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.assets import load_suit, suit_names
+from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.rig import RigConfig, run_rig
 from activesuit.envs.rig.rig import NOISE
-from activesuit.hysteresis import BoucWen, Preisach
+from activesuit.hysteresis import BoucWen
 from activesuit.identification import (
     Curve,
     Motion,
@@ -16,7 +17,6 @@ from activesuit.identification import (
     motion_coverage,
     multi_order_motion,
     nested_motion,
-    select,
 )
 from helpers import assert_refused
 
@@ -40,18 +40,14 @@ def errors(model, record):
     return record.torque - model.response(record.angle)
 
 
-def rms(values):
-    return np.sqrt(np.mean(np.square(values)))
-
-
 def curves_of(records):
     roles = ["predict" if i % 2 else "fit" for i in range(len(records))]
     return [Curve(r.angle, r.torque, r.name, role) for r, role in zip(records, roles, strict=True)]
 
 
 def prediction_error(fit, curves):
-    kept_out = [curve for curve in curves if curve.role == "predict"]
-    return rms(np.concatenate([fit.predict(curve) - curve.torque for curve in kept_out]))
+    wrong = [fit.predict(one) - one.torque for one in curves if one.role == "predict"]
+    return rms(np.concatenate(wrong))
 
 
 def test_a_perfect_rig_reads_the_resistance(elbow):
@@ -192,22 +188,6 @@ def test_what_it_measures_predicts_turns_it_did_not_fit(suit, joint):
     # The gas's part alone grew with the pressure of exploration-56kpa.
     model = "asymmetric" if suit == "exploration-56kpa" else "jiles-atherton"
     assert prediction_error(fit_curves(curves, model=model), curves) <= 1.2 * config.noise
-
-
-@pytest.mark.slow
-def test_a_truth_of_many_weights_is_predicted():
-    rng = np.random.default_rng(1)
-    truth = Preisach(
-        levels=np.linspace(0.4, 1.6, 9),
-        density=[rng.uniform(0, 0.3, i + 1) for i in range(8)],
-        elastic=rng.uniform(10, 15, 8),
-    )
-    turns = tuple(np.linspace(0.62, 1.57, 11))
-    config = RigConfig(suit=truth, start_angle=START, turns=turns, noise=0.08)
-    curves = curves_of(run_rig(config))
-    fit = select(curves).fit
-    assert fit.model_name == "preisach"
-    assert prediction_error(fit, curves) <= 1.2 * config.noise
 
 
 def test_a_joint_as_an_object():

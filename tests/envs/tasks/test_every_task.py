@@ -1,7 +1,6 @@
 """What every task can do on every coupling and level, and when it has gone well."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -10,7 +9,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.interface.reward import is_success
 from activesuit.envs.tasks import TASKS
 from activesuit.envs.tasks.task import FARTHEST, TOLERANCES
-from arms import assert_same_states, physics, state
+from arms import assert_same_states, go_on, physics, state
 from gymnasium.utils.env_checker import check_env
 from scipy.stats import qmc
 
@@ -58,11 +57,12 @@ def made(request):
     env = ArmEnv(replace(TASKS[name], duration=DURATION), coupling=coupling, level=level)
     arms = env.rows(ROWS, threads=1)
     env.reset(seed=0)
-    return SimpleNamespace(env=env, arms=arms)
+    return env, arms
 
 
 def test_noise_breaks_nothing(made):
-    env, motors = made.env, made.env.action_space.shape[0]
+    env, _ = made
+    motors = env.action_space.shape[0]
     periods = round(DURATION / env.control_dt)
     noise = 2 * qmc.Halton(max(1, motors), seed=0).random(periods)[:, :motors] - 1
     env.reset(seed=7)
@@ -88,7 +88,7 @@ def until_loaded(env, arms, rng):
 
 
 def test_a_row_is_the_single_environment_and_states_in_mid_task_go_on_alike(made):
-    env, arms, rng = made.env, made.arms, np.random.default_rng(4)
+    (env, arms), rng = made, np.random.default_rng(4)
     env.reset(seed=31)
     arms.reset(seed=30)
     one, rows = until_loaded(env, arms, rng)
@@ -176,8 +176,6 @@ def test_costs_of_the_hand_by_hand():
 def test_costs_of_the_hand_begin_anew_with_each_episode():
     env = ArmEnv(replace(TASKS["OverheadHold"], duration=0.2), coupling="none")
     env.reset(seed=0)
-    for _ in range(10):
-        info = env.step(np.zeros(0))[-1]
-    assert info["cost_terms"]["hand_error"] > 0
+    assert go_on(env, 10)[-1]["cost_terms"]["hand_error"] > 0
     terms = env.reset()[1]["cost_terms"]
     assert terms["hand_error"] == terms["chatter"] == 0

@@ -12,7 +12,7 @@ from activesuit.envs.model import ArmConfig, Payload, compose
 from activesuit.envs.simulation.episode_plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
 from activesuit.envs.tasks.tools import HANDLE, IMPACT, RAISED, THROUGH
-from arms import addresses, physics, state
+from arms import addresses, go_on, mass_matrix, physics, posed, state
 
 PICKED, PUT_DOWN, MASS = 100, 600, 3.0  # control periods, kg
 G = 9.81
@@ -55,16 +55,12 @@ def jacobian(model, data, *, body=None, site=None):
 def test_a_load_that_is_picked_up_weighs_at_once(options):
     env = ArmEnv(PICK_UP, **options)
     env.reset(seed=0)
-    motors = np.zeros(env.action_space.shape)
-    for _ in range(PICKED + 1):
-        env.step(motors)
+    go_on(env, PICKED + 1)
     assert state(env).load[0] == MASS
     bias, still = {}, {}
     for mass in (0.0, MASS):
         model = compose(ArmConfig(payload=Payload(mass=mass), **options), drawn=False)
-        data = mujoco.MjData(model)
-        data.qpos[:], data.qvel[:] = physics(env, "qpos"), physics(env, "qvel")
-        mujoco.mj_forward(model, data)
+        data = posed(model, physics(env, "qpos"), physics(env, "qvel"))
         bias[mass] = data.qfrc_bias.copy()
         data.qvel[:] = 0.0
         mujoco.mj_forward(model, data)
@@ -82,19 +78,14 @@ def test_a_wearer_bears_what_he_has_picked_up():
     """After five seconds the slow correction holds the load: m g r more than before, within 1 %."""
     env = ArmEnv(PICK_UP, **BARE)
     env.reset(seed=0)
-    torque = {}
-    for period in range(PUT_DOWN):
-        info = env.step(np.zeros(0))[-1]
-        if period in (PICKED - 1, PUT_DOWN - 1):
-            torque[period] = info["human_torque"]
+    before, after = (go_on(env, n)[-1]["human_torque"] for n in (PICKED, PUT_DOWN - PICKED))
     load = env.data.body("payload").xipos
     shoulder = env.data.joint("shoulder_flexion").xanchor
     arm = load[0] - shoulder[0]  # forward
     assert arm > 0.3
-    more = torque[PUT_DOWN - 1] - torque[PICKED - 1]
+    more = after - before
     assert more[JOINTS.index("shoulder_flexion")] == pytest.approx(MASS * G * arm, rel=0.01)
-    for _ in range(40):
-        env.step(np.zeros(0))
+    go_on(env, 40)
     assert state(env).load[0] == 0
     loaded = ArmEnv(PICK_UP, payload={"mass": 0.5}, **BARE)
     loaded.reset(seed=0)
@@ -105,9 +96,7 @@ def test_a_wearer_bears_what_he_has_picked_up():
 def test_a_push_acts_as_a_force_on_the_grip(options):
     env = ArmEnv(replace(TASKS["Handrail"], duration=1.5), **options)
     env.reset(seed=1)
-    motors = np.zeros(env.action_space.shape)
-    for _ in range(100):
-        env.step(motors)
+    go_on(env, 100)
     model, data = env.model, env.data
     push = state(env).push[0, 99]  # of the last control period
     assert np.linalg.norm(push) > 10
@@ -159,12 +148,9 @@ def test_a_ratchet_never_drives(coupling, side):
 
 
 def blow(model, push):
-    """Lets a hammer that is pushed along the anvil's normal fly into it; returns its motion.
+    """Lets a hammer that is pushed along the anvil's normal fly into it; nothing else acts on it.
 
-    Nothing else acts on the arm: no gravity, no muscles, no springs and dampers.
-
-    Returns:
-        Speed of the head along the normal [m/s] and kinetic energy [J], before and after.
+    Returns speed of the head along the normal [m/s] and kinetic energy [J], before and after.
     """
     disable = mujoco.mjtDisableBit
     off = (
@@ -186,8 +172,7 @@ def blow(model, push):
         body = model.geom_bodyid[head]
         mujoco.mj_forward(model, data)
         mujoco.mj_jac(model, data, point, None, data.geom_xpos[head], body)
-        inertia = np.zeros((model.nv, model.nv))
-        mujoco.mj_fullM(model, data, inertia)
+        inertia = mass_matrix(model, data)
         along = normal @ point
         return along, inertia, along @ data.qvel, 0.5 * data.qvel @ inertia @ data.qvel
 
@@ -238,7 +223,6 @@ def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
 
 @pytest.mark.parametrize("reference", ["unsuited", "suited"])
 def test_both_references_bear_the_reaction_of_a_tool(reference):
-    """So relief above 1 says that motors bear it, too."""
     torque = []
     for pull in ((0.0, 0.0), (40.0, 40.0)):
         task = replace(TASKS["Handrail"], duration=4.0, pull=pull)
