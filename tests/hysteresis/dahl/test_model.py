@@ -36,9 +36,8 @@ def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps():
             for sign, F in ((1, 2.0), (-1, 0.5)):
                 _, after = NO_SPRING.step(NO_SPRING.start(0.0, z), sign * step)
                 x = 3.0 * step / F
-                assert after == pytest.approx(
-                    sign * F + (z - sign * F) * math.exp(-x), rel=1e-9, abs=1e-15
-                )
+                end = sign * F + (z - sign * F) * math.exp(-x)
+                assert after == pytest.approx(end, rel=1e-9, abs=1e-15)
                 if x < 1e-5:
                     change = after - z
                     assert change == pytest.approx(3.0 * (sign - z / F) * step, rel=1e-4, abs=1e-15)
@@ -47,11 +46,8 @@ def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps():
                     return F * (w - (w - 1) * -math.expm1(-3.0 * tau / F)) ** 2
 
                 expected = quad(rate, 0, step, epsabs=0, epsrel=1e-11)[0]
-                _, loss, _ = kernels.move(
-                    NO_SPRING.parameter_vector.copy(),
-                    NO_SPRING.start(0.0, z).memory.copy(),
-                    sign * step,
-                )
+                p, s = NO_SPRING.parameter_vector.copy(), NO_SPRING.start(0.0, z).memory.copy()
+                _, loss, _ = kernels.move(p, s, sign * step)
                 assert loss == pytest.approx(expected, rel=1e-10)
 
 
@@ -69,14 +65,12 @@ def test_a_start_outside_the_limits_comes_back_and_loses_energy():
 def test_unlike_ways_become_the_form_of_the_class():
     """The crossing of both slopes becomes the zero of z, the torque stays the same."""
     up, high, down, low = 12.0, 0.4, 3.0, -0.9
-    model = Duhem.from_limits(
-        rate_up=up, limit_up=high, rate_down=down, limit_down=low, spring=(0.2, 1.5)
-    )
+    limits = {"rate_up": up, "limit_up": high, "rate_down": down, "limit_down": low}
+    model = Duhem.from_limits(**limits, spring=(0.2, 1.5))
     crossing = (up * high + down * low) / (up + down)
-    assert model.stiffness == pytest.approx(up * (high - crossing))
-    assert model.stiffness == pytest.approx(down * (crossing - low))
-    assert model.friction_up == pytest.approx(high - crossing)
-    assert model.friction_down == pytest.approx(crossing - low)
+    frictions = (high - crossing, crossing - low)
+    assert (model.friction_up, model.friction_down) == pytest.approx(frictions)
+    assert (up * frictions[0], down * frictions[1]) == pytest.approx(2 * (model.stiffness,))
     angle, y = sweep(0.3, 1.5, 0.6, 1.1, 0.9, 1.4, samples=30), [0.1]
     for way in np.diff(angle):
         rate, limit = (up, high) if way > 0 else (down, low)
