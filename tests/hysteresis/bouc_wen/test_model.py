@@ -128,8 +128,9 @@ def test_certificate():
 def test_kao_fung(n, literal, sign):
     """Kao and Fung (2009), eq. (1) and (2): T = k (d_e V - h), by the slope at any h."""
     k, d_e, alpha, beta, gamma = 4180.5, sign * 2.1672e-7, 0.2161, 0.005, 0.0239  # their table 2
-    given = {"k": k, "d_e": d_e, "alpha": alpha, "beta": beta, "gamma": gamma, "n": n}
-    m = BoucWen.from_kao_fung(**given, literal=literal)
+    m = BoucWen.from_kao_fung(
+        k=k, d_e=d_e, alpha=alpha, beta=beta, gamma=gamma, n=n, literal=literal
+    )
     for V, h in np.random.default_rng(0).normal(0, [20, 2], (20, 2)):
         for way in (1, -1):
             curve = beta * way * abs(h) ** (n - 1) * h + gamma * abs(h) ** n

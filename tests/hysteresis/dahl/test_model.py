@@ -65,12 +65,14 @@ def test_a_start_outside_the_limits_comes_back_and_loses_energy():
 def test_unlike_ways_become_the_form_of_the_class():
     """The crossing of both slopes becomes the zero of z, the torque stays the same."""
     up, high, down, low = 12.0, 0.4, 3.0, -0.9
-    limits = {"rate_up": up, "limit_up": high, "rate_down": down, "limit_down": low}
-    model = Duhem.from_limits(**limits, spring=(0.2, 1.5))
+    model = Duhem.from_limits(
+        rate_up=up, limit_up=high, rate_down=down, limit_down=low, spring=(0.2, 1.5)
+    )
     crossing = (up * high + down * low) / (up + down)
-    frictions = (high - crossing, crossing - low)
-    assert (model.friction_up, model.friction_down) == pytest.approx(frictions)
-    assert (up * frictions[0], down * frictions[1]) == pytest.approx(2 * (model.stiffness,))
+    assert model.stiffness == pytest.approx(up * (high - crossing))
+    assert model.stiffness == pytest.approx(down * (crossing - low))
+    assert model.friction_up == pytest.approx(high - crossing)
+    assert model.friction_down == pytest.approx(crossing - low)
     angle, y = sweep(0.3, 1.5, 0.6, 1.1, 0.9, 1.4, samples=30), [0.1]
     for way in np.diff(angle):
         rate, limit = (up, high) if way > 0 else (down, low)
