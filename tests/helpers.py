@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -9,12 +11,14 @@ from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import Suit
 from activesuit.envs.tasks import TASKS, Task
 from activesuit.errors import InputError
 from activesuit.hysteresis import HysteresisModel, PrandtlIshlinskii
+from activesuit.hysteresis.engine import attach
 from activesuit.identification import Curve
 from activesuit.plots import Plot
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
@@ -22,6 +26,10 @@ from activesuit.scripts.folders import RunFolder
 from activesuit.scripts.main import main
 
 NUMBERS = count()
+BENCHMARK = (
+    *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--motions", "8"),
+    *("--believed", "emu-like", "--workers", "1", "--backend", "threading"),
+)
 PATIENCE = 600  # [s], longest wait for another process or a server, far more than any takes
 
 
@@ -31,14 +39,19 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return capsys.readouterr().out
 
 
-def fails(capsys: pytest.CaptureFixture[str], *arguments: object, shown: bool = False) -> str:
+def fails(
+    capsys: pytest.CaptureFixture[str],
+    *arguments: object,
+    shown: bool = False,
+    program: Callable[[list[str]], None] = main,
+) -> str:
     """Runs a command that must end with exit code 2 and one sentence, which it returns.
 
     Before the sentence there may be lines about progress; nothing is printed unless `shown`.
     """
     capsys.readouterr()
     with pytest.raises(SystemExit) as stop:
-        main([str(one) for one in arguments])
+        program([str(one) for one in arguments])
     captured = capsys.readouterr()
     assert stop.value.code == 2, arguments
     assert shown or captured.out == ""
@@ -46,6 +59,14 @@ def fails(capsys: pytest.CaptureFixture[str], *arguments: object, shown: bool = 
     message = captured.err.strip().splitlines()[-1]
     assert message.startswith("activesuit: "), message
     return message
+
+
+def python(
+    *arguments: object, check: bool = False, **options: Any
+) -> subprocess.CompletedProcess[str]:
+    """Runs Python in a process of its own; returns what the process printed."""
+    command = [sys.executable, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=check, **options)
 
 
 def content(folder: Path) -> dict[Path, bytes | None]:
@@ -62,6 +83,25 @@ def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     return np.concatenate([[turns[0]], *branches])
 
 
+def peak(model: HysteresisModel) -> float:
+    """Returns the largest torque [N·m] between 0.52 and 1.57 rad."""
+    return np.abs(model.response(sweep(0.52, 1.57, 0.52))).max()
+
+
+def prediction_error(
+    model: HysteresisModel,
+    known: HysteresisModel,
+    turns: Iterable[float],
+    *,
+    begin: Any = 0.0,
+    **options: Any,
+) -> float:
+    """Returns the error over the peak where a model begins with a torque, on other curves."""
+    curves = family(known, turns, **options)
+    errors = [model.response(curve.angle, begin) - curve.torque for curve in curves]
+    return np.sqrt(np.mean(np.concatenate(errors) ** 2)) / peak(known)
+
+
 def family(
     model: HysteresisModel,
     turns: Iterable[float] = (0.87, 1.22, 1.57),
@@ -69,13 +109,17 @@ def family(
     start: float = 0.52,
     first: float = 0.0,
     noise: float = 0.0,
+    share: float = 0.0,
     seed: int = 0,
     samples: int = 60,
     role: str = "fit",
 ) -> list[Curve]:
-    """First-order curves [rad] that begin with the torque `first`, with white noise [N·m]."""
-    rng = np.random.default_rng(seed)
-    curves = []
+    """First-order curves [rad] that begin with the torque `first`, with white noise.
+
+    The noise is `noise` [N·m], or a `share` of the peak.
+    """
+    rng, curves = np.random.default_rng(seed), []
+    noise = share * peak(model) if share else noise
     for turn in turns:
         angle = sweep(start, turn, start, samples=samples)
         torque = model.response(angle, first) + noise * rng.standard_normal(angle.size)
@@ -101,15 +145,32 @@ def along(
 
 def spring(stiffness: float, rest_angle: float = 0.52) -> HysteresisModel:
     """Returns a model without memory, of that stiffness [N·m/rad]."""
-    return PrandtlIshlinskii(
-        stiffness=stiffness, thresholds=[1.0], weights=[0.0], rest_angle=rest_angle
-    )
+    flat = {"thresholds": [1.0], "weights": [0.0]}
+    return PrandtlIshlinskii(stiffness=stiffness, **flat, rest_angle=rest_angle)
 
 
-def one_sentence(refusal: pytest.ExceptionInfo) -> bool:
-    """Returns whether an error is one sentence, without a full stop at its end."""
-    text = str(refusal.value)
-    return "\n" not in text and len(text) <= 400 and not text.endswith(".")
+def attached(xml: str, joint: str, model: HysteresisModel, **options: Any) -> mujoco.MjData:
+    """Returns the first state of an MJCF model with hysteresis at a joint."""
+    spec = mujoco.MjSpec.from_string(xml)
+    attach(spec, joint, model, **options)
+    return mujoco.MjData(spec.compile())
+
+
+def is_safe(model: HysteresisModel, *angle_range: tuple[float, float]) -> bool:
+    """Returns whether a model is certified and dissipative, in a range of angles or everywhere."""
+    certificate = model.certificate(*angle_range)
+    return certificate.certified and certificate.dissipative
+
+
+def interrupt(*given: object, **options: object) -> None:
+    """Does what Ctrl-C does, in place of any function."""
+    raise KeyboardInterrupt
+
+
+def set_all(patch: pytest.MonkeyPatch, owner: object, **values: object) -> None:
+    """Gives attributes of a module or a class other values."""
+    for name, value in values.items():
+        patch.setattr(owner, name, value)
 
 
 def assert_refused(call: Callable[..., object], rows: Iterable[tuple]) -> None:

@@ -29,14 +29,11 @@ KNOWN: dict[str, HysteresisModel] = {
 WITHOUT_RATE = {name: model for name, model in KNOWN.items() if not isinstance(model, Viscoelastic)}
 
 
-def ledger(
-    model: HysteresisModel, angle: np.ndarray, torque: float = 0.0
-) -> tuple[np.ndarray, np.ndarray]:
-    """Stored and dissipated energy at each angle [J], taken step by step."""
+def ledger(model: HysteresisModel, angle: np.ndarray, torque: float = 0.0) -> np.ndarray:
+    """Stored and dissipated energy at each angle [J], taken step by step, shape (2, n)."""
     state = model.start(angle[0], torque)
     energies = [model.energy(state)]
     for one in angle[1:]:
         state, _ = model.step(state, one)
         energies.append(model.energy(state))
-    stored, dissipated = np.array(energies).T
-    return stored, dissipated
+    return np.array(energies).T

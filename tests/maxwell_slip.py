@@ -128,9 +128,7 @@ def fit_maxwell_slip(curves: Sequence) -> MaxwellSlip:
         elastic = slip.elastic * curves[0].angle[0]
         start = np.mean([curve.torque[0] for curve in curves])
         start = float(np.clip(start, elastic - slip.limit, elastic + slip.limit))
-        return np.concatenate(
-            [slip.response(curve.angle, start) - curve.torque for curve in curves]
-        )
+        return np.concatenate([slip.response(one.angle, start) - one.torque for one in curves])
 
     found = least_squares(errors, np.log([peak, 5 * peak, 0.3 * peak]))
     return model(found.x)

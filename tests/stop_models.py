@@ -13,9 +13,8 @@ paths = st.lists(angles, min_size=2, max_size=30)
 def stops(draw, idle=True):
     """Stops or plays; with `idle` also with weights that give energy, rising everywhere."""
     operator = draw(st.sampled_from(["stop", "play"]))
-    elements = st.tuples(
-        st.floats(0.01, 0.5), st.floats(0.1, 5.0), st.sampled_from((1, -1) if idle else (1,))
-    )
+    signs = st.sampled_from((1, -1) if idle else (1,))
+    elements = st.tuples(st.floats(0.01, 0.5), st.floats(0.1, 5.0), signs)
     steps, sizes, sign = np.transpose(draw(st.lists(elements, min_size=1, max_size=6)))
     weights = sizes * sign * (1 if operator == "stop" else -1)
     return PrandtlIshlinskii(

@@ -64,9 +64,8 @@ def test_examples_of_a_page_run_in_order(name, folder):
 def test_examples_of_the_readme_print_what_stands_below_them(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(
-        r"^```python\n(.*?)^```\n```text\n(.*?)^```$", text, re.DOTALL | re.MULTILINE
-    )
+    found = r"^```python\n(.*?)^```\n```text\n(.*?)^```$"
+    blocks = re.findall(found, text, re.DOTALL | re.MULTILINE)
     assert len(blocks) == text.count("```python") == 4
     for code, shown in blocks:
         if "stable_baselines3" in code:

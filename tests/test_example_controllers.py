@@ -82,10 +82,8 @@ def test_oscillators_give_a_rhythm_compensation_and_nothing_else():
 
 @pytest.mark.slow
 def test_more_gain_of_proportional_assist_leaves_less_effort():
-    named = {
-        gain: f"examples.controllers.{NAMES['proportional']}:gain={gain}"
-        for gain in "0 0.5".split()
-    }
+    where = f"examples.controllers.{NAMES['proportional']}"
+    named = {gain: f"{where}:gain={gain}" for gain in ("0", "0.5")}
     found = evaluate("ActiveSuit/ElbowFlexion-v0", named, motions=1, references=False).scores
     assert found["0.5"].effort[0] < 0.8 * found["0"].effort[0]
 
@@ -107,7 +105,6 @@ def test_the_radial_basis_tracker_learns_a_constant_load():
 @pytest.mark.parametrize("name", NAMES)
 def test_the_old_name_of_a_policy_is_answered_by_the_new_one(name):
     where = f"name it examples.controllers.{NAMES[name]} in a clone"
-    with pytest.raises(
-        InputError, match=f"policy '{name}' is an example since version 0.3: {where}"
-    ):
+    message = f"policy '{name}' is an example since version 0.3: {where}"
+    with pytest.raises(InputError, match=message):
         made_by(name)

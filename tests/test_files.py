@@ -2,16 +2,11 @@
 
 import os
 import stat
-import subprocess
-import sys
 
 import pytest
 from activesuit.errors import InputError
 from activesuit.files import SCRATCH, check_target, replacing, write_text
-
-
-def hidden(folder):
-    return [path.name for path in folder.iterdir() if path.name.startswith(".")]
+from helpers import python
 
 
 def test_a_file_is_replaced_when_the_block_succeeds(tmp_path):
@@ -58,7 +53,7 @@ def test_a_file_that_appears_meanwhile_stays(tmp_path):
     with pytest.raises(InputError, match="exists"), replacing(path, force=False):
         path.write_text("another's")
     assert path.read_text() == "another's"
-    assert hidden(tmp_path) == []
+    assert not [*tmp_path.glob(".*")]
 
 
 @pytest.mark.parametrize("force", [True, False])
@@ -70,12 +65,8 @@ def test_only_regular_files_are_replaced(tmp_path, force):
     (tmp_path / "folder").mkdir()
     os.mkfifo(tmp_path / "pipe")
     before = {path.name: path.lstat().st_mode for path in tmp_path.iterdir()}
-    for name, reason in [
-        ("link", "is a link"),
-        ("broken", "is a link"),
-        ("folder", "is a folder"),
-        ("pipe", "is not a regular file"),
-    ]:
+    reasons = {"link": "is a link", "broken": "is a link", "folder": "is a folder"}
+    for name, reason in (reasons | {"pipe": "is not a regular file"}).items():
         with pytest.raises(InputError, match=reason), replacing(tmp_path / name, force=force):
             pytest.fail("the work was done for nothing")
     with pytest.raises(InputError, match="is not a regular file"):
@@ -92,6 +83,6 @@ def test_a_killed_process_leaves_no_half_file(tmp_path):
         "    scratch.write_text('half')\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
     )
-    subprocess.run([sys.executable, "-c", code, str(tmp_path / "a.txt")], check=False)
+    python("-c", code, tmp_path / "a.txt")
     (left,) = tmp_path.iterdir()
     assert left.name.startswith(SCRATCH)

@@ -1,7 +1,5 @@
 """JSON files of users: any mistake in one is reported in one sentence."""
 
-import pytest
-from activesuit.errors import InputError
 from activesuit.json_files import read_json
 from helpers import assert_refused
 
@@ -13,10 +11,8 @@ def read(folder, content):
 
 
 def test_what_is_read(tmp_path):
-    assert read(tmp_path, '{"a": [1, 2.5, null, "x"], "b": {"a": 1}}') == {
-        "a": [1, 2.5, None, "x"],
-        "b": {"a": 1},
-    }
+    found = read(tmp_path, '{"a": [1, 2.5, null, "x"], "b": {"a": 1}}')
+    assert found == {"a": [1, 2.5, None, "x"], "b": {"a": 1}}
     assert read(tmp_path, b'\xef\xbb\xbf{"a": 1}') == {"a": 1}
     assert read(tmp_path, "[" * 50 + "]" * 50)
 
@@ -38,11 +34,10 @@ def test_what_is_refused(tmp_path):
 
 
 def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(InputError, match=r"cannot read the suit .*: No such file"):
-        read_json(tmp_path / "none.json", "suit")
-    with pytest.raises(InputError, match=r"cannot read the suit .*: Is a directory"):
-        read_json(tmp_path, "suit")
-    with pytest.raises(InputError, match=r"cannot read the suit .*: embedded null byte"):
-        read_json("a\0b", "suit")
-    with pytest.raises(InputError, match="is longer than 64 MiB"):
-        read_json("/dev/zero", "suit")
+    rows = [
+        (tmp_path / "none.json", "cannot read the suit .*: No such file"),
+        (tmp_path, "cannot read the suit .*: Is a directory"),
+        ("a\0b", "cannot read the suit .*: embedded null byte"),
+        ("/dev/zero", "is longer than 64 MiB"),
+    ]
+    assert_refused(lambda path: read_json(path, "suit"), rows)

@@ -23,6 +23,7 @@ from activesuit.identification import (
     select,
 )
 from activesuit.identification.fits.registry import FITS
+from helpers import attached
 from maxwell_slip import MaxwellSlip, fit_maxwell_slip
 
 TRUTH = MaxwellSlip(elastic=2.0, spring=20.0, limit=3.0)
@@ -70,9 +71,7 @@ AROUND = Asymmetric(model=Clipped(model=TRUTH, angle_range=(-0.2, 0.3)), polynom
 
 @pytest.mark.parametrize("model", [TRUTH, AROUND], ids=lambda model: model.name)
 def test_the_engine_has_its_torque(model):
-    spec = mujoco.MjSpec.from_string(ARM)
-    attach(spec, "hinge", model)
-    data = mujoco.MjData(spec.compile())
+    data = attached(ARM, "hinge", model)
     angle, torque = [0.0], [0.0]
     for i in range(300):
         data.ctrl[0] = 0.5 * np.sin(0.05 * i)
@@ -90,9 +89,7 @@ def test_the_engine_has_its_torque(model):
 
 
 def test_each_simulation_may_have_its_own():
-    spec = mujoco.MjSpec.from_string(ARM)
-    attach(spec, "hinge", TRUTH)
-    data = mujoco.MjData(spec.compile())
+    data = attached(ARM, "hinge", TRUTH)
     replace_model(data.model, data.plugin_state, "hinge", TRUTH.scaled(torque=2))
     data.qpos[0] = 0.4
     mujoco.mj_forward(data.model, data)
@@ -100,9 +97,7 @@ def test_each_simulation_may_have_its_own():
 
 
 def test_a_memory_that_is_kept_keeps_the_torque_and_the_lost_energy():
-    spec = mujoco.MjSpec.from_string(ARM)
-    attach(spec, "hinge", TRUTH)
-    data = mujoco.MjData(spec.compile())
+    data = attached(ARM, "hinge", TRUTH)
     data.ctrl[0] = 0.5
     mujoco.mj_step(data.model, data, 300)
 

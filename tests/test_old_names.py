@@ -7,16 +7,14 @@ import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import Clipped, model_from_dict
 from activesuit.identification import identify, load_curves
-from activesuit.scripts.main import main
 from activesuit.scripts.old_names import MOVED, OLD_OPTIONS
+from helpers import fails
 
 
 @pytest.mark.parametrize("old", MOVED)
 def test_old_commands(capsys, old):
-    with pytest.raises(SystemExit) as stop:
-        main([*old.split(), "--out", "here"])
-    assert stop.value.code == 2
-    assert f"no command since version 0.3: run {MOVED[old]}" in capsys.readouterr().err
+    message = fails(capsys, *old.split(), "--out", "here")
+    assert f"no command since version 0.3: run {MOVED[old]}" in message
 
 
 def test_an_old_function():
@@ -26,9 +24,8 @@ def test_an_old_function():
 
 @pytest.mark.parametrize("old", OLD_OPTIONS)
 def test_old_options(capsys, old):
-    with pytest.raises(SystemExit):
-        main(["evaluate", old])
-    assert f"{old} was an option of version 0.2: {OLD_OPTIONS[old]}" in capsys.readouterr().err
+    message = fails(capsys, "evaluate", old)
+    assert f"{old} was an option of version 0.2: {OLD_OPTIONS[old]}" in message
 
 
 def test_a_suit_file_with_the_old_name_of_a_model(tmp_path):

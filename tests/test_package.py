@@ -2,19 +2,17 @@
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from helpers import python
 
 ROOT = Path(__file__).parent.parent
 
 
-def python(code):
+def printed(code):
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    given = {"capture_output": True, "text": True, "env": clean, "cwd": ROOT.parent}
-    return subprocess.run([sys.executable, "-c", code], check=True, **given).stdout
+    return python("-c", code, check=True, env=clean, cwd=ROOT.parent).stdout
 
 
 MAKE = "import activesuit, gymnasium; gymnasium.make('ActiveSuit/ElbowFlexion-v0').reset(seed=0)"
@@ -29,7 +27,7 @@ MAKE = "import activesuit, gymnasium; gymnasium.make('ActiveSuit/ElbowFlexion-v0
     ],
 )
 def test_slow_packages_are_not_imported(code, heavy):
-    loaded = python(f"{code}; import sys; print(*sys.modules)").split()
+    loaded = printed(f"{code}; import sys; print(*sys.modules)").split()
     assert not {*heavy.split()} & {*loaded}
 
 

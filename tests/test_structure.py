@@ -4,7 +4,7 @@ import ast
 import re
 import tomllib
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -48,10 +48,8 @@ class Import:
 @cache
 def sources() -> dict[Name, Path]:
     """Returns the files of the package, by module."""
-    paths = [
-        *ROOT.glob("*.py"),
-        *(path for part in ALLOWED for path in (ROOT / part).rglob("*.py")),
-    ]
+    inside = [path for part in ALLOWED for path in (ROOT / part).rglob("*.py")]
+    paths = [*ROOT.glob("*.py"), *inside]
     return {path.relative_to(ROOT).with_suffix("").parts: path for path in sorted(paths)}
 
 
@@ -125,22 +123,24 @@ def test_no_circle_between_the_parts_of_a_package(package):
     assert not circles({part: targets - {part} for part, targets in graph.items()})
 
 
+def against(rule: Callable[[Name, Import], bool]) -> list[str]:
+    """Returns the imports of the package that a rule about module and import forbids."""
+    return [
+        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
+        for name, path in sources().items()
+        for one in imports(path)
+        if rule(name, one)
+    ]
+
+
 @pytest.mark.parametrize("part", ALLOWED)
 def test_no_arrow_up(part):
     allowed = ALLOWED[part] | {part} | ROOT_MODULES
-    up = [
-        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
-        for name, path in sources().items()
-        if name[0] == part
-        for one in imports(path)
-        if one.target[0] not in allowed
-    ]
-    assert not up
+    assert not against(lambda name, one: name[0] == part and one.target[0] not in allowed)
 
 
 def test_modules_of_the_root_import_no_folder():
-    up = [(name, one) for name, path in sources().items() for one in imports(path)]
-    assert not [(name, one) for name, one in up if len(name) == 1 and len(one.target) > 1]
+    assert not against(lambda name, one: len(name) == 1 and len(one.target) > 1)
 
 
 @pytest.mark.parametrize("part", ["hysteresis", "identification"])
@@ -191,13 +191,7 @@ def _is_installed(name: Name) -> bool:
 
 
 def test_installed_modules_need_no_others():
-    needed = [
-        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
-        for name, path in sources().items()
-        for one in imports(path)
-        if _is_installed(name) and not _is_installed(one.target)
-    ]
-    assert not needed
+    assert not against(lambda name, one: _is_installed(name) and not _is_installed(one.target))
 
 
 def test_nothing_that_is_installed_imports_an_extra():
@@ -209,14 +203,12 @@ def test_nothing_that_is_installed_imports_an_extra():
         for found in extras[kind].values()
     }
     assert rooms
-    importing = [
-        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
-        for name, path in sources().items()
-        for one in imports(path)
-        for room in rooms
-        if _is_installed(name) and name[: len(room)] != room and one.target[: len(room)] == room
-    ]
-    assert not importing
+    assert not against(
+        lambda name, one: (
+            _is_installed(name)
+            and any(name[: len(room)] != room == one.target[: len(room)] for room in rooms)
+        )
+    )
 
 
 def test_every_folder_is_packaged():

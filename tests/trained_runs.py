@@ -32,19 +32,9 @@ ENVIRONMENT = {
     "allow_uncertified": False,
 }
 TRAINING = {"algo": "ppo", "seed": 0, "rows": 1, "steps": 64, "hyperparameters": {"n_steps": 64}}
-OBSERVATION = {
-    "sensors": ["encoders"],
-    "normalize": False,
-    "layout": {
-        "angle": [0, 4],
-        "rate": [4, 8],
-        "motor_torque": [8, 10],
-        "previous_action": [10, 12],
-    },
-    "size": 12,
-    "motors": 2,
-    "dt": 0.01,
-}
+LAYOUT = {"angle": [0, 4], "rate": [4, 8], "motor_torque": [8, 10], "previous_action": [10, 12]}
+OBSERVATION = {"sensors": ["encoders"], "normalize": False, "layout": LAYOUT}
+OBSERVATION |= {"size": 12, "motors": 2, "dt": 0.01}
 
 
 class Enemy:
@@ -89,12 +79,9 @@ def write_card(folder: Path, **options) -> None:
 def card(**options) -> Card:
     """Returns a card with some options of its own, of the environment or of the training."""
     training = {name: options.pop(name) for name in [*options] if name in TRAINING}
-    return Card(
-        observation=OBSERVATION,
-        contract=contract_of(OBSERVATION),
-        environment={**ENVIRONMENT, **options},
-        training={**TRAINING, **training},
-    )
+    environment, training = {**ENVIRONMENT, **options}, {**TRAINING, **training}
+    seen = {"observation": OBSERVATION, "contract": contract_of(OBSERVATION)}
+    return Card(**seen, environment=environment, training=training)
 
 
 def replace_part(path: Path, name: str, content: bytes) -> None:

@@ -5,7 +5,7 @@ import json
 import pytest
 from activesuit.benchmarks import gpu
 from activesuit.benchmarks.__main__ import main
-from helpers import assert_refused
+from helpers import assert_refused, fails
 
 pytestmark = pytest.mark.slow
 
@@ -28,6 +28,5 @@ def test_numbers_of_worlds_are_checked():
 
 
 def test_worlds_belong_to_gpu(capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(["engine", "--worlds", "4"])
-    assert "--worlds belongs to gpu, not to engine" in capsys.readouterr().err
+    message = fails(capsys, "engine", "--worlds", 4, program=main)
+    assert "--worlds belongs to gpu, not to engine" in message

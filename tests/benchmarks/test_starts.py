@@ -2,16 +2,14 @@
 
 import pytest
 from activesuit.benchmarks import starts
-from helpers import in_this_process
+from helpers import in_this_process, set_all
 
 pytestmark = pytest.mark.slow
 
 
 def test_certified_fits_keep_their_limits(monkeypatch):
-    monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 2)
-    monkeypatch.setattr(starts, "run_all", in_this_process)
-    monkeypatch.setattr(starts, "SWARM_SIZE", 20)
-    monkeypatch.setattr(starts, "ITERATIONS", 9)
+    few = {"STARTS_PER_REPEAT": 2, "SWARM_SIZE": 20, "ITERATIONS": 9}
+    set_all(monkeypatch, starts, run_all=in_this_process, **few)
     found = starts.random_starts(repeats=1)
     assert [(one.joint, one.method) for one in found] == [
         (joint, method) for joint in ("shoulder", "elbow") for method in starts.STARTED_METHODS

@@ -6,28 +6,23 @@ import pytest
 from activesuit.benchmarks import train
 from activesuit.benchmarks.__main__ import main
 from activesuit.scripts.training import hyperparameters
+from helpers import fails, set_all
 
 pytestmark = pytest.mark.slow
 
 
 def test_without_the_extra_one_sentence_says_so(capsys, monkeypatch):
     monkeypatch.setitem(hyperparameters.ALGORITHMS, "ppo", ("no_such_package", "PPO"))
-    with pytest.raises(SystemExit) as stop:
-        main(["train"])
-    assert stop.value.code == 2
-    assert "training by ppo needs no-such-package: use `make train`" in capsys.readouterr().err
+    message = fails(capsys, "train", program=main)
+    assert "training by ppo needs no-such-package: use `make train`" in message
 
 
 def test_ratios_shares_and_goals(capsys, monkeypatch):
     pytest.importorskip("stable_baselines3")
     usual = hyperparameters.hyperparameters("ppo", train.ENV)
     few = {**usual, "n_envs": 4, "n_steps": 8, "batch_size": 16}
-    monkeypatch.setattr(train, "hyperparameters", lambda *_: few)
-    monkeypatch.setattr(train, "STEPS", 32)
-    monkeypatch.setattr(train, "PASSES", 2)
-    monkeypatch.setattr(
-        train, "BEFORE", {"n_envs": 2, "n_steps": 8, "batch_size": 8, "n_epochs": 2}
-    )
+    before = {"n_envs": 2, "n_steps": 8, "batch_size": 8, "n_epochs": 2}
+    set_all(monkeypatch, train, hyperparameters=lambda *_: few, STEPS=32, PASSES=2, BEFORE=before)
     monkeypatch.setattr(train, "AS_LONG", {"n_envs": 2, "n_steps": 16})
     main(["train", "--repeats", "2", "--json"])
     result = json.loads(capsys.readouterr().out)

@@ -66,10 +66,8 @@ def cases():
         if not isinstance(one.model, Wrapper):
             for kind, model in around(one.model, one.low, one.high).items():
                 add(f"{kind} {name}", model, one.low, one.high, one.start_torque)
-    driving = JilesAtherton(
-        Ms=12, a=40, alpha=1.0, c=0.2, k=20, angle_unit="deg", allow_active=True
-    )
-    add("J-A that drives", driving, -2, 2)
+    numbers = {"Ms": 12, "a": 40, "alpha": 1.0, "c": 0.2, "k": 20, "angle_unit": "deg"}
+    add("J-A that drives", JilesAtherton(**numbers, allow_active=True), -2, 2)
     stiff = {"elastic": 2, "hysteretic": 5}
     for n, beta, gamma in ((3.5, 4, -3), (1, 3, -5), (20, 1, 0), (2, 2, -2), (1.2, 1, 1)):
         model = BoucWen(**stiff, beta=beta, gamma=gamma, n=n, rest_angle=0.1)
@@ -203,6 +201,5 @@ def test_parameters_are_listed_with_their_units():
     lines = parameters(CASES["backlash asymmetric clipped dahl"].model)
     assert "    gap = 0.05  [rad]" in lines
     assert "    stiffness = 9.0  [N·m/rad]" in lines
-    assert [line.strip() for line in lines if line[2] != " "] == [
-        *("backlash", "asymmetric", "clipped", "dahl")
-    ]
+    names = [line.strip() for line in lines if line[2] != " "]
+    assert names == ["backlash", "asymmetric", "clipped", "dahl"]

@@ -6,6 +6,7 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, BoucWen, PoleError, PrandtlIshlinskii, steady_cycle
 from activesuit.hysteresis.around import sprung
 from activesuit.hysteresis.protocol import follow
+from helpers import assert_refused
 from known_models import ELBOW, KNOWN
 
 RANGE = (0.2, 1.4)
@@ -32,9 +33,8 @@ def test_the_cycle_repeats_itself(name):
 
 def test_a_slider_on_a_spring_has_the_loss_factor_of_its_equation():
     weight, threshold, span = 10.0, 0.1, 1.2
-    cycle = steady_cycle(
-        PrandtlIshlinskii(stiffness=0, thresholds=[threshold], weights=[weight]), RANGE
-    )
+    slider = PrandtlIshlinskii(stiffness=0, thresholds=[threshold], weights=[weight])
+    cycle = steady_cycle(slider, RANGE)
     slip, spring = weight * threshold * (span - 2 * threshold), weight * threshold**2 / 2
     assert cycle.dissipated == pytest.approx(2 * slip, rel=1e-4)
     assert cycle.loading_work == pytest.approx(2 * (slip + spring), rel=1e-4)
@@ -65,9 +65,7 @@ def test_a_missing_steady_cycle_is_reported(shoulder):
     slow = BoucWen(elastic=0.1, hysteretic=10.0, beta=0.02, gamma=-0.019, n=1)
     with pytest.raises(InputError, match=r"bouc-wen model's torque still changes by .* 128 cycles"):
         steady_cycle(slow, (0.0, 0.5), start_torque=30.0)
-    with pytest.raises(InputError, match=r"angle_range is .*ascending|angle_range is"):
-        steady_cycle(ELBOW, (1.0, 0.5))
-    with pytest.raises(InputError, match="give two finite angles"):
-        steady_cycle(ELBOW, (-np.inf, np.inf))
+    rows = [((1.0, 0.5), "angle_range is"), ((-np.inf, np.inf), "give two finite angles")]
+    assert_refused(lambda angles: steady_cycle(ELBOW, angles), rows)
     with pytest.raises(PoleError):
         steady_cycle(shoulder, (0.0, 2.5))

@@ -2,8 +2,6 @@
 
 import csv
 import json
-import subprocess
-import sys
 from contextlib import suppress
 from functools import partial
 
@@ -20,7 +18,7 @@ from activesuit.scripts.commands import COMMANDS
 from activesuit.scripts.folders import to_json
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
-from helpers import fails, in_this_process, run
+from helpers import fails, in_this_process, interrupt, python, run, set_all
 
 ELBOW = str(curves_path("elbow"))
 FEW = ["--motions", "8", "--json"]
@@ -33,10 +31,8 @@ def identified(capsys, *arguments) -> str:
     return capsys.readouterr().out
 
 
-FIT_FILES = {  # of `identify --out`
-    *("suit.json", "result.json", "trials.csv", "report.html"),
-    *("loops.csv", "loops.png", "loops.svg"),
-}
+# The files of `identify --out`.
+FIT_FILES = {*"suit.json result.json trials.csv report.html loops.csv loops.png loops.svg".split()}
 
 
 @pytest.mark.usefixtures("short")
@@ -88,9 +84,6 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
 
 
 def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, monkeypatch):
-    def interrupt(self, steps, total=None):
-        raise KeyboardInterrupt
-
     monkeypatch.setattr(Bar, "move_to", interrupt)
     arguments = ["--method", "mpso", "--trials", 5, "--workers", 1, "--out", tmp_path, "--json"]
     assert "interrupted" in fails(capsys, "identify", ELBOW, *arguments, shown=True)
@@ -182,14 +175,10 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("topic", ["hysteresis", "engine", "env", "identify"])
 def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
-    monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 1)
-    monkeypatch.setattr(starts, "run_all", in_this_process)
-    monkeypatch.setattr(starts, "ITERATIONS", 5)
+    set_all(monkeypatch, starts, STARTS_PER_REPEAT=1, run_all=in_this_process, ITERATIONS=5)
     monkeypatch.setattr(identify_bench, "sa_pso", partial(identify_bench.sa_pso, max_iterations=5))
-    for name, few in (("STEPS", 100), ("CALLBACK_STEPS", 50), ("SIMULATIONS", 64)):
-        monkeypatch.setattr(engine_bench, name, few)
-    for name, few in (("STEPS", 50), ("SOME", 8), ("MANY", 32), ("WORKERS", 2), ("LONG", 640)):
-        monkeypatch.setattr(env_bench, name, few)
+    set_all(monkeypatch, engine_bench, STEPS=100, CALLBACK_STEPS=50, SIMULATIONS=64)
+    set_all(monkeypatch, env_bench, STEPS=50, SOME=8, MANY=32, WORKERS=2, LONG=640)
     bench(topic, repeats=1, json=True)
     result = json.loads(capsys.readouterr().out)
     assert any(row["ratio"] for row in result["rows"])
@@ -210,9 +199,8 @@ def test_unknown_and_missing_command_and_option(capsys):
     unknown = fails(capsys, "--fly", "list")
     assert "unknown command '--fly': use one of benchmark, demo" in unknown
     assert "give a command: benchmark" in fails(capsys)
-    assert "unknown part of list 'suit': use one of policies, suits" in fails(
-        capsys, "list", "suit"
-    )
+    unknown = fails(capsys, "list", "suit")
+    assert "unknown part of list 'suit': use one of policies, suits" in unknown
 
 
 def test_help_lists_every_command_as_its_own_help_begins(capsys):
@@ -231,8 +219,8 @@ def test_help_lists_every_command_as_its_own_help_begins(capsys):
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
 def test_only_the_command_asked_for_is_imported(arguments):
-    command = [sys.executable, "-X", "importtime", "-m", "activesuit.scripts.main", *arguments]
-    report = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+    command = ("-X", "importtime", "-m", "activesuit.scripts.main", *arguments)
+    report = python(*command, check=True).stderr
     loaded = {line.rpartition("|")[2].strip() for line in report.splitlines()}
     assert "activesuit.errors" in loaded
     assert not {"numba", "mujoco", "scipy", "matplotlib", "activesuit.scripts.demo"} & loaded
@@ -300,11 +288,8 @@ def test_options_reach_the_fit(capsys, tmp_path, undrawn):
     options = ["--method", "pso", "--trials", 2, "--objective", "robust", "--json"]
     options += ["--normalize", "curve", "--initial-torque", "identified", "--out", tmp_path]
     result = json.loads(identified(capsys, ELBOW, *options))
-    expected = fit_curves(
-        load_curves(ELBOW),
-        method=Search("pso", trials=2, objective="robust", normalize="curve"),
-        initial_torque="identified",
-    )
+    search = Search("pso", trials=2, objective="robust", normalize="curve")
+    expected = fit_curves(load_curves(ELBOW), method=search, initial_torque="identified")
     assert result["initial_torque"] == expected.initial_torque
     assert result["model"] == expected.model.to_dict()
     assert len((tmp_path / "trials.csv").read_text().splitlines()) == 3

@@ -3,11 +3,11 @@
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from activesuit.assets import curves_path
+from helpers import python
 
 # Bouc-Wen under another name is enough: what counts is that nothing here knows the name.
 MODULE = """
@@ -40,13 +40,8 @@ def installed(folder: Path, module: str) -> Path:
 
 
 def run(folder: Path, *arguments: object) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "activesuit.scripts.main", *map(str, arguments)],
-        check=False,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(folder), "COLUMNS": "100"},
-    )
+    environment = {**os.environ, "PYTHONPATH": str(folder), "COLUMNS": "100"}
+    return python("-m", "activesuit.scripts.main", *arguments, env=environment)
 
 
 @pytest.mark.slow

@@ -71,12 +71,8 @@ def test_another_process_in_the_folder_is_reported(tmp_path):
         "print('ready', flush=True)\n"
         "sys.stdin.read()\n"
     )
-    other = subprocess.Popen(
-        [sys.executable, "-c", code, str(tmp_path)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
+    given = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    other = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], **given)
     assert other.stdout is not None
     assert other.stdout.readline() == "ready\n"
     with pytest.raises(InputError, match="another process writes into"):

@@ -17,7 +17,7 @@ from activesuit.scripts.main import main
 from activesuit.scripts.output import progress, table
 from activesuit.tables import markdown_table
 from activesuit.text import visible
-from helpers import PATIENCE
+from helpers import PATIENCE, fails, python
 
 SLOW = (
     "import sys, time\n"
@@ -32,15 +32,9 @@ SLOW = (
 def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     # A program in the background ignores Ctrl-C, and passes that on.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    process = subprocess.Popen(
-        [
-            *(sys.executable, "-c", SLOW),
-            *("demo", "--trials", "9", "--out", str(tmp_path / "out")),
-        ],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    command = [sys.executable, "-c", SLOW, "demo", "--trials", "9", "--out", tmp_path / "out"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    process = subprocess.Popen(command, **pipes, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "step\n"
     process.send_signal(sign)
@@ -72,8 +66,7 @@ def test_an_interrupt_inside_a_text_that_a_library_runs_has_exit_code_2(tmp_path
         "main._run = lambda arguments: exec('raise KeyboardInterrupt')\n"
         "main.main([])\n"
     )
-    command = [sys.executable, "-m", "interrupted"]
-    end = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    end = python("-m", "interrupted", cwd=tmp_path)
     assert (end.returncode, end.stderr) == (2, "activesuit: interrupted\n")
 
 
@@ -144,13 +137,8 @@ def test_a_log_has_a_line_for_a_tenth_of_the_way(capsys, monkeypatch):
     with progress("work", 5) as bar:
         for _ in range(5):
             bar.advance()
-    assert capsys.readouterr().err.splitlines() == [
-        "work: 20 % after 100 s",
-        "work: 40 % after 110 s",
-        "work: 60 % after 120 s",
-        "work: 80 % after 130 s",
-        "work: 100 % after 140 s",
-    ]
+    lines = [f"work: {20 * i} % after {90 + 10 * i} s" for i in range(1, 6)]
+    assert capsys.readouterr().err.splitlines() == lines
 
 
 def test_no_table_is_cut(capsys, monkeypatch):
@@ -183,8 +171,6 @@ def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
     shown = capsys.readouterr().out
     assert "\x1b" not in shown
     assert "\\x1b[31m" in shown
-    with pytest.raises(SystemExit):
-        main(["list", "suits", "x\x1b[2J\ny"])
-    (message,) = capsys.readouterr().err.splitlines()
+    message = fails(capsys, "list", "suits", "x\x1b[2J\ny")
     assert "\x1b" not in message
     assert os.linesep not in message

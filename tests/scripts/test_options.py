@@ -1,7 +1,5 @@
 """Flags: each is a field of the environment, by its name; a wrong one is answered at once."""
 
-import subprocess
-import sys
 from dataclasses import fields, is_dataclass
 
 import pytest
@@ -10,6 +8,7 @@ from activesuit.envs.domain.randomization import Randomization
 from activesuit.errors import InputError
 from activesuit.scripts.names import STANDS_FOR, check_names, option_names
 from activesuit.scripts.options import flags, parsed
+from helpers import python
 
 COMMANDS = {"options": "simulate", "environment": "benchmark", "arm": "export"}
 
@@ -65,9 +64,7 @@ def test_a_wrong_name_is_answered_without_anything_slow(line):
         "try: main(sys.argv[1:])\n"
         "finally: print({'numba', 'mujoco', 'scipy', 'tyro'} & {*sys.modules})"
     )
-    ended = subprocess.run(
-        [sys.executable, "-c", code, *line.split()], check=False, capture_output=True, text=True
-    )
+    ended = python("-c", code, *line.split())
     assert ended.stdout == "set()\n"
     assert WRONG[line] in ended.stderr
 

@@ -1,11 +1,9 @@
 """Models with constant torque outside a range, and their certificates."""
 
-import mujoco
 import numpy as np
 import pytest
 from activesuit.hysteresis import Asymmetric, Clipped, UncertifiedModelError
-from activesuit.hysteresis.engine import attach
-from helpers import sweep
+from helpers import attached, sweep
 
 RANGE = (0.35, 1.22)
 
@@ -38,12 +36,10 @@ def test_the_published_shoulder_is_safe_in_its_range(kept, shoulder):
 def test_the_engine_accepts_it(kept, shoulder):
     text = '<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody></mujoco>'
     with pytest.raises(UncertifiedModelError):
-        attach(mujoco.MjSpec.from_string(text), "j", shoulder, start_angle=0.35)
-    spec = mujoco.MjSpec.from_string(text)
-    attach(spec, "j", kept, start_angle=0.35)
-    spec.compile()
+        attached(text, "j", shoulder, start_angle=0.35)
+    attached(text, "j", kept, start_angle=0.35)
     with pytest.raises(UncertifiedModelError, match="start of joint 'j'"):
-        attach(mujoco.MjSpec.from_string(text), "j", kept, start_angle=0.35, start_torque=9.0)
+        attached(text, "j", kept, start_angle=0.35, start_torque=9.0)
 
 
 def test_a_polynomial_beside_it_changes_no_start(kept, shoulder):

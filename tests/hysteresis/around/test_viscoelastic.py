@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import Backlash, Viscoelastic
 from activesuit.hysteresis.around import viscoelastic_kernels as kernels
-from activesuit.hysteresis.engine import attach, replace_model
+from activesuit.hysteresis.engine import replace_model
+from helpers import attached, is_safe
 from known_models import KNOWN, RATE
 
 HINGE = """<mujoco><compiler angle="radian"/><option gravity="0 0 0"/><worldbody><body>
@@ -76,23 +77,19 @@ def test_the_work_is_stored_and_dissipated(joint):
     assert work == pytest.approx(stored + rate[kernels.LOSS], rel=1e-5)
 
 
-def compiled(joint):
-    spec = mujoco.MjSpec.from_string(HINGE)
-    attach(spec, "j", joint, start_angle=0.52)
-    return spec.compile()
+def hinged(joint):
+    return attached(HINGE, "j", joint, start_angle=0.52)
 
 
 def simulated(joint, step):
     """Returns time, angle, resistance and dissipated energy of a hinge that is pushed around."""
-    model = compiled(joint)
-    model.opt.timestep = step
-    data = mujoco.MjData(model)
-    found = []
+    data, found = hinged(joint), []
+    data.model.opt.timestep = step
     for i in range(round(2.0 / step)):
         data.qfrc_applied[0] = 8 * np.sin(3 * i * step)
-        mujoco.mj_forward(model, data)
+        mujoco.mj_forward(data.model, data)
         found.append([data.time, data.qpos[0], -data.qfrc_passive[0], *data.sensordata[[0, 2]]])
-        mujoco.mj_step(model, data)
+        mujoco.mj_step(data.model, data)
     return np.array(found).T
 
 
@@ -108,14 +105,14 @@ def test_the_engine_converges_to_response_in_the_first_order(joint):
 
 
 def test_a_dashpot_around_play_resists_in_the_gap(elbow):
-    data = mujoco.MjData(compiled(Viscoelastic(model=Backlash(model=elbow, gap=0.05), damping=0.2)))
+    data = hinged(Viscoelastic(model=Backlash(model=elbow, gap=0.05), damping=0.2))
     data.qpos[0], data.qvel[0] = 0.52, 0.5
     mujoco.mj_forward(data.model, data)
     assert -data.qfrc_passive[0] == pytest.approx(0.1)
 
 
 def test_a_replaced_model_begins_relaxed(joint):
-    data = mujoco.MjData(compiled(joint))
+    data = hinged(joint)
     data.qvel[0] = 1.0
     mujoco.mj_step(data.model, data, 50)
     replace_model(data.model, data.plugin_state, "j", joint.scaled(torque=2.0))
@@ -135,6 +132,5 @@ def test_the_certificate_bounds_what_can_be_bounded(joint, elbow):
     spring = Viscoelastic(model=elbow, relaxation_stiffness=1.5, relaxation_time=0.4)
     assert spring.certificate(inside).torque_bound == pytest.approx(inner.torque_bound + 1.5)
     assert joint.certificate(inside).torque_bound == np.inf
-    assert joint.certificate(inside).certified
-    assert joint.certificate(inside).dissipative
+    assert is_safe(joint, inside)
     assert (joint.free_parameters, spring.free_parameters) == (8, 7)

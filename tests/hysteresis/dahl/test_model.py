@@ -36,9 +36,8 @@ def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps():
             for sign, F in ((1, 2.0), (-1, 0.5)):
                 _, after = NO_SPRING.step(NO_SPRING.start(0.0, z), sign * step)
                 x = 3.0 * step / F
-                assert after == pytest.approx(
-                    sign * F + (z - sign * F) * math.exp(-x), rel=1e-9, abs=1e-15
-                )
+                end = sign * F + (z - sign * F) * math.exp(-x)
+                assert after == pytest.approx(end, rel=1e-9, abs=1e-15)
                 if x < 1e-5:
                     change = after - z
                     assert change == pytest.approx(3.0 * (sign - z / F) * step, rel=1e-4, abs=1e-15)
@@ -47,11 +46,8 @@ def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps():
                     return F * (w - (w - 1) * -math.expm1(-3.0 * tau / F)) ** 2
 
                 expected = quad(rate, 0, step, epsabs=0, epsrel=1e-11)[0]
-                _, loss, _ = kernels.move(
-                    NO_SPRING.parameter_vector.copy(),
-                    NO_SPRING.start(0.0, z).memory.copy(),
-                    sign * step,
-                )
+                p, s = NO_SPRING.parameter_vector.copy(), NO_SPRING.start(0.0, z).memory.copy()
+                _, loss, _ = kernels.move(p, s, sign * step)
                 assert loss == pytest.approx(expected, rel=1e-10)
 
 

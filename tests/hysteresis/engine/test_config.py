@@ -39,14 +39,11 @@ GOOD = {
 
 def mjcf(name, config, *sensors):
     keys = "".join(f'<config key="{k}" value="{v}"/>' for k, v in config.items())
-    extension = (
-        f'<extension><plugin plugin="activesuit.{name}"><instance name="i">{keys}</instance>'
-        "</plugin></extension>"
-    )
+    instance = f'<instance name="i">{keys}</instance>'
+    extension = f'<extension><plugin plugin="activesuit.{name}">{instance}</plugin></extension>'
     rows = "".join(f'<plugin name="{sensor}" instance="i"/>' for sensor in sensors)
-    return ARM.replace("<mujoco>", "<mujoco>" + extension).replace(
-        "</mujoco>", f"<sensor>{rows}</sensor></mujoco>"
-    )
+    sensors = f"<sensor>{rows}</sensor></mujoco>"
+    return ARM.replace("<mujoco>", "<mujoco>" + extension).replace("</mujoco>", sensors)
 
 
 def twin(name):
@@ -86,9 +83,8 @@ def test_saving_keeps_every_bit(elbow):
     spec = mujoco.MjSpec.from_string(ARM)
     attach(spec, "one", elbow, start_angle=0.1)
     again = mujoco.MjModel.from_xml_string(spec.to_xml())
-    np.testing.assert_array_equal(
-        mujoco.MjData(again).plugin_state, mujoco.MjData(spec.compile()).plugin_state
-    )
+    begun = [mujoco.MjData(one).plugin_state for one in (again, spec.compile())]
+    np.testing.assert_array_equal(*begun)
 
 
 def test_numbers_are_read_as_python_reads_them():
@@ -98,10 +94,9 @@ def test_numbers_are_read_as_python_reads_them():
         assert mujoco.MjData(model).plugin_state[1] == float(text)
 
 
-RISKY = {  # the published shoulder
-    **{"Ms": "22.2316", "a": "319.55", "alpha": "6.3223", "c": "4.7447", "k": "168.582"},
-    "allow_uncertified": "true",
-}
+# The published shoulder.
+RISKY = {"Ms": "22.2316", "a": "319.55", "alpha": "6.3223", "c": "4.7447", "k": "168.582"}
+RISKY["allow_uncertified"] = "true"
 
 
 def say(key, value, what):
@@ -153,10 +148,8 @@ BAD += [("jiles_atherton", {"c": one}, say("c", one, ONE_NUMBER)) for one in NO_
 GAP = "give one number above 0, the angle by which"
 BAD += [("jiles_atherton", {"gap": one}, GAP) for one in ("0", "-0.1", "x", "0.1 0.2", "inf")]
 RATE = "give damping, relaxation stiffness and relaxation"
-BAD += [
-    ("jiles_atherton", {"viscoelastic": one}, RATE)
-    for one in ("0.1", "0.1 -1 2", "0.1 1 0", "0.1 x 2")
-]
+NO_RATES = ("0.1", "0.1 -1 2", "0.1 1 0", "0.1 x 2")
+BAD += [("jiles_atherton", {"viscoelastic": one}, RATE) for one in NO_RATES]
 
 
 def test_bad_mjcf_is_one_sentence():

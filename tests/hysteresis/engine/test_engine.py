@@ -4,8 +4,6 @@ import copy
 import math
 import multiprocessing
 import pickle
-import subprocess
-import sys
 import threading
 
 import mujoco
@@ -13,7 +11,7 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import UncertifiedModelError
 from activesuit.hysteresis.engine import PLUGIN_NAMES, attach, fault_slots, register
-from helpers import assert_refused
+from helpers import assert_refused, attached, python
 from mujoco import rollout
 from mujoco.batch import Batch
 
@@ -25,6 +23,8 @@ CHAIN = """<mujoco><option timestep="0.002"/><worldbody>
   <body><joint name="ball" type="ball"/><geom size=".1"/></body>
   </worldbody>
   <actuator><motor joint="one" gear="30"/><motor joint="two" gear="15"/></actuator></mujoco>"""
+SLIDE = """<mujoco><worldbody><body><joint name="s" type="slide"/><geom size=".1"/></body>
+  </worldbody></mujoco>"""
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
@@ -36,16 +36,11 @@ def chain(model, integrator="implicitfast", **options):
     return spec.compile()
 
 
-def controls(steps=400, seed=0):
-    rng = np.random.default_rng(seed)
-    return np.repeat(rng.uniform(-1, 1, (steps // 20, 2)), 20, axis=0)
-
-
 def test_every_way_of_resuming_is_bit_identical(elbow):
     for integrator in ["implicitfast", "Euler", "RK4"]:
         model = chain(elbow, integrator)
         data = mujoco.MjData(model)
-        ctrl = controls()
+        ctrl = np.repeat(np.random.default_rng(0).uniform(-1, 1, (20, 2)), 20, axis=0)
         start = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
         mujoco.mj_getState(model, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         saved = np.empty(mujoco.mj_stateSize(model, STATE))
@@ -97,22 +92,15 @@ def test_a_written_position_is_no_turning_point(elbow):
 
 
 def test_a_slide_joint_works(elbow):
-    spec = mujoco.MjSpec.from_string(
-        '<mujoco><worldbody><body><joint name="s" type="slide"/><geom size=".1"/></body>'
-        "</worldbody></mujoco>"
-    )
-    attach(spec, "s", elbow)
-    data = mujoco.MjData(spec.compile())
+    data = attached(SLIDE, "s", elbow)
     data.qpos[0] = 0.4
     mujoco.mj_forward(data.model, data)
     assert data.qfrc_passive[0] == pytest.approx(-elbow.response([0.0, 0.4])[-1], abs=1e-12)
 
 
 def test_pole_holds_the_torque_and_raises_the_flag(shoulder):
-    spec = mujoco.MjSpec.from_string(CHAIN)
-    attach(spec, "one", shoulder, allow_uncertified=True)
-    model = spec.compile()
-    data = mujoco.MjData(model)
+    data = attached(CHAIN, "one", shoulder, allow_uncertified=True)
+    model = data.model
     model.opt.gravity[:] = 0
     for angle in np.radians([45, 90, 60, 0]):
         data.qpos[0], data.qvel[:] = angle, 0
@@ -156,13 +144,7 @@ def test_numbers_do_not_depend_on_the_locale(elbow):
     )
     spec = mujoco.MjSpec.from_string(CHAIN)
     attach(spec, "one", elbow, start_angle=0.125)
-    there = subprocess.run(
-        [sys.executable, "-c", code],
-        input=spec.to_xml(),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    there = python("-c", code, check=True, input=spec.to_xml())
     state = eval(there.stdout)
     assert state == mujoco.MjData(spec.compile()).plugin_state.tolist()
     memory = elbow.start(0.125).memory
@@ -176,12 +158,10 @@ def test_the_default_start_is_the_reference_position(elbow):
         '<geom size=".1"/></body></worldbody></mujoco>'
     )
     for unit, ref in (("degree", "60"), ("radian", "1.0471975511965976")):
-        spec = mujoco.MjSpec.from_string(xml.format(unit=unit, ref=ref))
-        attach(spec, "j", elbow)
-        assert mujoco.MjData(spec.compile()).plugin_state[1] == pytest.approx(math.pi / 3)
-        far = mujoco.MjSpec.from_string(xml.format(unit=unit, ref=float(ref) * 3))
+        near = attached(xml.format(unit=unit, ref=ref), "j", elbow)
+        assert near.plugin_state[1] == pytest.approx(math.pi / 3)
         with pytest.raises(UncertifiedModelError, match=r"start of joint 'j' at 3\.14"):
-            attach(far, "j", elbow)
+            attached(xml.format(unit=unit, ref=float(ref) * 3), "j", elbow)
 
 
 def test_attach_refuses(elbow, shoulder):
@@ -244,8 +224,7 @@ model.response([0.5, 1.0, 0.6])
 @pytest.mark.slow
 def test_a_second_process_compiles_nothing(monkeypatch):
     monkeypatch.setenv("NUMBA_DEBUG_CACHE", "1")
-    command = [sys.executable, "-c", SECOND]
     for _ in range(2):
-        reported = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        reported = python("-c", SECOND, check=True).stdout
     assert "data loaded from" in reported
     assert "data saved to" not in reported

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Dahl, Preisach, model_from_dict
-from activesuit.hysteresis.engine import attach, fault_slots, replace_model, take_off
-from helpers import assert_refused
+from activesuit.hysteresis.engine import fault_slots, replace_model, take_off
+from helpers import assert_refused, attached
 from known_models import ELBOW, KNOWN
 
 # So heavy that a step does not move it: the tests say where it is.
@@ -26,9 +26,7 @@ def model(request):
 
 
 def simulation(model):
-    spec = mujoco.MjSpec.from_string(JOINT)
-    attach(spec, "j", model)
-    return mujoco.MjData(spec.compile())
+    return attached(JOINT, "j", model)
 
 
 def moved(data, angles):
@@ -44,9 +42,8 @@ def moved(data, angles):
 
 def shown(data):
     mujoco.mj_forward(data.model, data)
-    torque, lost = (
-        data.sensor(f"j_suit_{name}").data[0] for name in ("torque", "dissipated_energy")
-    )
+    names = ("torque", "dissipated_energy")
+    torque, lost = (data.sensor(f"j_suit_{name}").data[0] for name in names)
     return -torque, lost
 
 
@@ -148,10 +145,9 @@ def test_what_keeps_no_memory_is_refused():
     def replaced(model, **options):
         replace_model(data.model, data.plugin_state, "j", model, keep_memory=True, **options)
 
-    rows = [
-        (dahl, {start: value}, "keep_memory is True, and a start is given: leave")
-        for start, value in (("start_angle", 0.1), ("start_torque", 0.0), ("start_path", ()))
-    ]
+    message = "keep_memory is True, and a start is given: leave"
+    starts = {"start_angle": 0.1, "start_torque": 0.0, "start_path": ()}
+    rows = [(dahl, {start: value}, message) for start, value in starts.items()]
     for other in (ELBOW, Dahl(spring=[0.0, 1.0, 2.0], stiffness=9, friction=1.5)):
         rows.append((other, {}, "compiled with another kind or size of model than this"))
     assert_refused(lambda model, start: replaced(model, **start), rows)

@@ -101,15 +101,12 @@ def test_forms_against_their_printed_equations(parameters, form):
     expected = [0.0]
     for start, end in pairwise(turns):
         delta = math.copysign(1, end - start)
-        solved = solve_ivp(
-            lambda H, M, delta=delta: [dmdh(form, H, M[0], delta, parameters)],
-            (start, end),
-            [expected[-1]],
-            "DOP853",
-            rtol=1e-10,
-            atol=1e-4,
-            max_step=parameters[1] / 50,
-        )
+
+        def slope(H, M, delta=delta):
+            return [dmdh(form, H, M[0], delta, parameters)]
+
+        exact = {"rtol": 1e-10, "atol": 1e-4, "max_step": parameters[1] / 50}
+        solved = solve_ivp(slope, (start, end), [expected[-1]], "DOP853", **exact)
         expected.append(solved.y[0, -1])
     model = magnetic(parameters, form)
     found, state = model.response(turns), model.start(0.0)

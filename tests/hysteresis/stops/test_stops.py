@@ -99,9 +99,11 @@ def test_saturated_states_are_starts():
             assert model.start_is_certified(run(model, [0.2, angle])[-1])
 
 
+STOPS = {"stiffness": 1.0, "thresholds": [0.1, 0.3], "weights": [5.0, 2.0], "rest_angle": 0.2}
+
+
 def simple(**change):
-    values = {"stiffness": 1.0, "thresholds": [0.1, 0.3], "weights": [5.0, 2.0], "rest_angle": 0.2}
-    return PrandtlIshlinskii(**{**values, **change})
+    return PrandtlIshlinskii(**STOPS | change)
 
 
 def test_a_start_takes_the_least_motion_and_a_jump_is_one_step():
@@ -151,16 +153,8 @@ def test_bad_input():
 
 
 def hinge(**change):
-    values = {
-        "stiffness": 1.0,
-        "thresholds": [0.1, 0.3],
-        "weights": [5.0, 2.0],
-        "knots": [-0.5, 1.0],
-        "slopes": [0.5, 1.0, 2.0],
-        "offset": 0.25,
-        "rest_angle": 0.2,
-    }
-    return HingedStops(**{**values, **change})
+    hinges = {"knots": [-0.5, 1.0], "slopes": [0.5, 1.0, 2.0], "offset": 0.25}
+    return HingedStops(**STOPS | hinges | change)
 
 
 def test_certificates_with_a_hinge():

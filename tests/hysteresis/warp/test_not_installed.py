@@ -1,12 +1,12 @@
 """What happens without MuJoCo Warp, which nothing but the extra `gpu` brings."""
 
-import subprocess
 import sys
 
 import pytest
 from activesuit.benchmarks import gpu
 from activesuit.errors import InputError
 from activesuit.hysteresis.warp import attach
+from helpers import python
 
 pytestmark = pytest.mark.slow
 
@@ -22,4 +22,4 @@ def test_one_sentence_says_what_to_install(call, monkeypatch):
 def test_nothing_else_imports_warp():
     program = "import sys, activesuit.envs, activesuit.hysteresis.warp, activesuit.envs.model\n"
     program += "sys.exit(any('warp' == name.split('.')[0] for name in sys.modules))"
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+    assert python("-c", program).returncode == 0

@@ -242,12 +242,10 @@ def test_a_branch_that_is_not_whole_is_dropped(elbow):
 
 
 def test_what_is_no_repeated_cycle_is_refused(elbow):
+    uneven = along(elbow, 0.52, 1.57, 0.52, 1.57, 0.52, 1.2, 0.52, 1.57, 0.52)
     rows = [
         (cycled(elbow, 2), "has 4 branches: an average needs at least 6"),
-        (
-            along(elbow, 0.52, 1.57, 0.52, 1.57, 0.52, 1.2, 0.52, 1.57, 0.52),
-            r"turns between 1\.2 and 1\.57 rad on one side",
-        ),
+        (uneven, r"turns between 1\.2 and 1\.57 rad on one side"),
     ]
     assert_refused(lambda curve: averaged_cycles([curve]), rows)
 

@@ -74,12 +74,11 @@ def test_bad_curves():
     ]
     names = ("#3", "", "two\nlines", "one\x0bmore", " padded", "padded ")
     rows += [([0, 1], [0, 1], {"name": name}, "curve name") for name in names]
-    assert_refused(
-        lambda angle, torque, options: Curve(
-            np.array(angle), np.array(torque), **{"name": "A"} | options
-        ),
-        rows,
-    )
+
+    def made(angle, torque, options):
+        Curve(np.array(angle), np.array(torque), **{"name": "A"} | options)
+
+    assert_refused(made, rows)
 
 
 def test_degrees_order_and_interleaved_curves(tmp_path):
@@ -124,10 +123,7 @@ def test_names_survive_and_lists_are_welcome(tmp_path):
 
 def test_saving_fails_without_leftovers(tmp_path, small_family):
     same = [Curve([0, 1], [0, 1], "A"), Curve([0, 2], [0, 1], "A")]
-    rows = [
-        ("same.csv", same, "two curves are named 'A'"),
-        ("no/where.csv", small_family, "cannot write"),
-    ]
+    rows = [("same.csv", same, "are named 'A'"), ("no/where.csv", small_family, "cannot write")]
     assert_refused(lambda name, curves: save_curves(tmp_path / name, curves), rows)
     assert list(tmp_path.iterdir()) == []
 

@@ -5,7 +5,7 @@ import pytest
 from activesuit.identification import Curve, fit_curves, select
 from activesuit.identification.data.parts import questions
 from activesuit.identification.judging.judgement import baseline_errors, predictions
-from helpers import along, assert_refused, spring, sweep
+from helpers import along, assert_refused, family, spring, sweep
 
 LONG = (0.52, *[1.57, 0.52] * 3, *[1.2, 0.7] * 3, *[1.57, 0.52] * 2)  # two amplitudes
 
@@ -43,10 +43,9 @@ def test_the_end_of_a_record_is_left_out_block_by_block(elbow):
 
 def test_a_record_without_cycles_leaves_nothing_out(elbow):
     wrong = [(0.52, 1.57, 0.52), (0.52, 0.8, 0.6, 1.57)]
-    assert_refused(
-        lambda turns: questions([record(elbow, turns=turns)]),
-        [(one, "a record of several cycles, or 2 curves, better 3") for one in wrong],
-    )
+    message = "a record of several cycles, or 2 curves, better 3"
+    rows = [(record(elbow, turns=turns), message) for turns in wrong]
+    assert_refused(lambda one: questions([one]), rows)
 
 
 @pytest.mark.slow
@@ -79,27 +78,22 @@ def test_auto_takes_one_record_with_two_amplitudes(elbow):
 
 
 def test_models_without_memory_answer_the_same_questions(elbow):
-    curves = [record(elbow, turns=(0.52, turn, 0.52)) for turn in (0.9, 1.2, 1.57)]
+    curves = family(elbow, noise=0.05)
     fitted, asked = baseline_errors(curves), predictions(questions(curves), curves)
     assert set(fitted) == set(asked)
     assert fitted["a spring with friction"] < fitted["a spring"]
     assert min(fitted.values()) > 0.02
 
 
-def described(model, noise):
-    rng, ways = np.random.default_rng(3), [(0.52, turn, 0.52) for turn in (0.9, 1.2, 1.57)]
-    return [along(model, *way, name=str(way[1]), noise=noise, rng=rng, samples=80) for way in ways]
-
-
 def test_auto_says_that_a_spring_needs_no_memory():
-    fit = select(described(spring(5.0), 0.1)).fit
+    fit = select(family(spring(5.0), noise=0.1)).fit
     assert fit.verdict == "does not describe the curves"
     assert "memoryless prediction" in [one.kind for one in fit.remarks]
 
 
 @pytest.mark.parametrize("method", ["certified", "auto"])
 def test_noise_alone_is_not_described(method):
-    curves = described(spring(0.0), 1.0)
+    curves = family(spring(0.0), noise=1.0)
     fit = select(curves).fit if method == "auto" else fit_curves(curves)
     assert fit.verdict == "does not describe the curves"
     assert "nothing" in [one.kind for one in fit.remarks]

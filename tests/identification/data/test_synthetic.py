@@ -51,9 +51,8 @@ def test_noise_is_a_fraction_of_the_family_and_seeded(model):
 
 def test_sensors_round_what_is_measured_not_what_happens(elbow):
     exact = measure(elbow, MOTIONS, rng=3, noise_fraction=0.01)
-    coarse = measure(
-        elbow, MOTIONS, rng=3, noise_fraction=0.01, torque_resolution=0.25, angle_resolution=0.01
-    )
+    steps = {"torque_resolution": 0.25, "angle_resolution": 0.01}
+    coarse = measure(elbow, MOTIONS, rng=3, noise_fraction=0.01, **steps)
     for a, b in zip(exact, coarse, strict=True):
         steps = b.torque / 0.25
         np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
@@ -88,9 +87,8 @@ def test_multi_order_motion():
             assert np.abs(np.diff(angle)).max() <= 0.005 * 1.03
             # Second order: the second reversal comes before the first branch is wiped out.
             assert angle[places[1]] > angle[0]
-            np.testing.assert_array_equal(
-                angle, multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
-            )
+            again = multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
+            np.testing.assert_array_equal(angle, again)
 
 
 def test_bad_rigs(elbow):
@@ -106,9 +104,8 @@ def test_bad_rigs(elbow):
         ({"angle_resolution": 100.0}, "stays at the angle 0 rad"),
         ({"initial_torque": "measured"}, "initial torque is 'measured': give a number"),
     ]
-    assert_refused(
-        lambda options: measure(elbow, **{"motions": MOTIONS, "rng": 0, **options}), rows
-    )
+    usual = {"motions": MOTIONS, "rng": 0}
+    assert_refused(lambda options: measure(elbow, **usual | options), rows)
 
 
 def test_a_motion_into_the_pole_is_no_measurement(shoulder):
@@ -131,7 +128,8 @@ def test_bad_motions():
         ((1.0,), 0.5, -0.1, "angle_step is -0.1 rad"),
         ((1.0,), math.nan, 0.1, "start_angle is nan"),
     ]
-    assert_refused(
-        lambda turns, start, step: first_order_motions(turns, start_angle=start, angle_step=step),
-        rows,
-    )
+
+    def made(turns, start, step):
+        first_order_motions(turns, start_angle=start, angle_step=step)
+
+    assert_refused(made, rows)

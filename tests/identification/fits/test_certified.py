@@ -7,7 +7,7 @@ from activesuit.identification import Curve, CurveObjective, bare, certified_fit
 from activesuit.identification.fits.beside_polynomial import fit_asymmetric
 from activesuit.identification.fits.certified import CertifiedProblem
 from activesuit.identification.fits.search import Search
-from helpers import family, sweep
+from helpers import family, prediction_error
 
 NOISE = 0.05
 
@@ -27,9 +27,8 @@ def test_derivatives_are_those_of_the_residuals(elbow):
                 expected.append(rise / 2e-4)
             found = search.jacobian(point)
             scale = np.abs(expected).max()
-            np.testing.assert_allclose(
-                found.T[:, :-1], np.array(expected)[:, :-1], atol=1e-5 * scale
-            )
+            there = np.array(expected)[:, :-1]
+            np.testing.assert_allclose(found.T[:, :-1], there, atol=1e-5 * scale)
 
 
 @pytest.mark.parametrize("name", ["elbow", "shoulder"])
@@ -100,21 +99,14 @@ POLYNOMIAL = (0.0, 3.0, -6.0, 4.0)
 SHARE = 0.01  # noise over the peak
 
 
-def peak(model):
-    return np.abs(model.response(sweep(START, TURNS[-1], START))).max()
-
-
-def prediction(model, known, seed=0, first_torque=0.0):
-    """NRMSE on noisy curves with unseen turns."""
-    unseen = family(known, UNSEEN, first=first_torque, noise=SHARE * peak(known), seed=seed + 100)
-    errors = [model.response(curve.angle, first_torque) - curve.torque for curve in unseen]
-    return np.sqrt(np.mean(np.concatenate(errors) ** 2)) / peak(known)
+def prediction(model, known, seed=0):
+    return prediction_error(model, known, UNSEEN, share=SHARE, seed=seed + 100)
 
 
 def test_an_asymmetric_truth_is_recovered_where_the_bare_model_is_not(elbow):
     for seed in range(5):
         known = Asymmetric(model=elbow, polynomial=POLYNOMIAL)
-        curves = family(known, noise=SHARE * peak(known), seed=seed)
+        curves = family(known, share=SHARE, seed=seed)
         assert prediction(fit_asymmetric(curves, seed), known, seed) <= 1.3 * SHARE
         alone = bare(certified_fit(curves, rng=seed).model)
         assert prediction(alone, known, seed) > 2 * SHARE

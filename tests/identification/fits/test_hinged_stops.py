@@ -87,9 +87,8 @@ def test_dead_zones_are_predicted_where_other_fits_fail():
 
 
 def test_stops_without_a_hinge_are_described_too():
-    truth = PrandtlIshlinskii(
-        stiffness=2, thresholds=[0.05, 0.1, 0.2, 0.4], weights=[20, 8, 0, 5], rest_angle=LOW
-    )
+    numbers = {"thresholds": [0.05, 0.1, 0.2, 0.4], "weights": [20, 8, 0, 5]}
+    truth = PrandtlIshlinskii(stiffness=2, **numbers, rest_angle=LOW)
     curves = family(truth.response, 0)
     path = sweep(LOW, 1.5, 0.7, 1.2, 0.9, 1.4, LOW)
     found = fit_hinged_stops(curves)

@@ -15,20 +15,13 @@ PATH = sweep(0.5, 1.5, 0.7, 1.2, 0.9, 1.4, 0.5, samples=50)
 
 def known_preisach():
     rng = np.random.default_rng(0)
-    return Preisach(
-        levels=LEVELS,
-        density=[rng.uniform(0, 1, i + 1) for i in range(6)],
-        elastic=rng.uniform(5, 20, 6),
-    )
+    density = [rng.uniform(0, 1, i + 1) for i in range(6)]
+    return Preisach(levels=LEVELS, density=density, elastic=rng.uniform(5, 20, 6))
 
 
 def known_stops(rest_angle=START):
-    return PrandtlIshlinskii(
-        stiffness=2.0,
-        thresholds=[0.05, 0.1, 0.2, 0.35],
-        weights=[20.0, 8.0, 0.0, 5.0],
-        rest_angle=rest_angle,
-    )
+    stops = {"thresholds": [0.05, 0.1, 0.2, 0.35], "weights": [20.0, 8.0, 0.0, 5.0]}
+    return PrandtlIshlinskii(stiffness=2.0, **stops, rest_angle=rest_angle)
 
 
 def curves_of(model, turns=TURNS, **options):
@@ -62,9 +55,7 @@ def test_held_out_curves_are_predicted_under_noise(elbow):
         for seed in range(4):
             known = {"preisach": known_preisach(), "stops": known_stops(), "elbow": elbow}[name]
             held_out = curves_of(known, (0.8, 1.0, 1.2, 1.4), role="predict")
-            wrong = Curve(
-                held_out[0].angle, -held_out[0].torque, "wrong, and not fitted", "predict"
-            )
+            wrong = Curve(held_out[0].angle, -held_out[0].torque, "wrong, not fitted", "predict")
             peak = max(np.abs(curve.torque).max() for curve in held_out)
             found = fit([*curves_of(known, noise=0.01 * peak, seed=seed), *held_out, wrong], detail)
             assert found.certificate().dissipative

@@ -30,16 +30,9 @@ FIELD, MAGNETIZATION = 4e3, 1e6  # A/m that count as 1 rad, and as 1 N·m
 
 def truth(material, form):
     Ms, a, alpha, c, k, _ = MATERIALS[material]
-    return JilesAtherton(
-        Ms=Ms / MAGNETIZATION,
-        a=a / FIELD,
-        alpha=alpha * MAGNETIZATION / FIELD,
-        c=c,
-        k=k / FIELD,
-        form=form,
-        clamp="jiles",
-        allow_active=True,
-    )
+    numbers = {"Ms": Ms / MAGNETIZATION, "a": a / FIELD, "c": c, "k": k / FIELD}
+    numbers["alpha"] = alpha * MAGNETIZATION / FIELD
+    return JilesAtherton(**numbers, form=form, clamp="jiles", allow_active=True)
 
 
 def loops(material, form, noise=2e-3, start=0.0, **options):
@@ -126,9 +119,8 @@ def test_what_is_no_magnet_is_refused():
         (one, {"corrections": offset}, "tare is 'fit', which the method 'magnetic' does not fit"),
         (weighted, {}, "weights from 1 to 2"),
     ]
-    assert_refused(
-        lambda curves, options: fit_curves(curves, **{"method": "magnetic"} | options), rows
-    )
+    usual = {"method": "magnetic"}
+    assert_refused(lambda curves, options: fit_curves(curves, **usual | options), rows)
     rows = [({"trials": 2}, "has one per form; leave it out"), ({"objective": "sse"}, "is 'sse'")]
     assert_refused(lambda options: method_of("magnetic", **options), rows)
 

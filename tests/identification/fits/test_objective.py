@@ -37,19 +37,10 @@ def transcribed(loss, normalize, curves, row):
         peak = max(abs(T) for T in curve.torque) if normalize == "curve" else Tmax
         for Tc, Tm in zip(model.response(curve.angle), curve.torque, strict=True):
             E = Tc - Tm
-            term = {
-                "nrmse": (E / peak) ** 2,
-                "paper": (E / peak) ** 2,
-                "sse": E**2,
-                "robust": 2 * (math.sqrt(1 + (E / d) ** 2) - 1) * (d / peak) ** 2,
-            }[loss]
+            robust = 2 * (math.sqrt(1 + (E / d) ** 2) - 1) * (d / peak) ** 2
+            term = {"sse": E**2, "robust": robust}.get(loss, (E / peak) ** 2)
             total += curve.weight / mean_weight * term
-    return {
-        "nrmse": math.sqrt(total / N),
-        "paper": math.sqrt(total) / N,
-        "sse": total,
-        "robust": math.sqrt(total / N),
-    }[loss]
+    return {"paper": math.sqrt(total) / N, "sse": total}.get(loss, math.sqrt(total / N))
 
 
 @pytest.mark.parametrize("normalize", ["family", "curve"])
@@ -93,9 +84,8 @@ def test_only_the_ratios_of_weights_count(unequal):
         expected = CurveObjective(unequal, loss=loss)(ROWS)
         for factor in (1e-3, 1e300):
             scaled = [replace(curve, weight=factor * curve.weight) for curve in unequal]
-            np.testing.assert_allclose(
-                CurveObjective(scaled, loss=loss)(ROWS), expected, rtol=1e-12
-            )
+            found = CurveObjective(scaled, loss=loss)(ROWS)
+            np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
 def test_the_robust_loss_ignores_gross_outliers(elbow):
@@ -109,13 +99,13 @@ def test_the_robust_loss_ignores_gross_outliers(elbow):
 
     def fitted_nrmse(curves, loss):
         """NRMSE on clean curves of the fit to others, by Nelder-Mead in relative parameters."""
-        objective, options = CurveObjective(curves, loss=loss), {"maxfev": 1500, "fatol": 1e-10}
-        found = minimize(
-            lambda scale: objective(ROWS[0] * scale)[0],
-            np.full(5, 1.1),
-            method="Nelder-Mead",
-            options=options | {"xatol": 1e-6},
-        )
+        objective = CurveObjective(curves, loss=loss)
+        options = {"maxfev": 1500, "fatol": 1e-10, "xatol": 1e-6}
+
+        def score(scale):
+            return objective(ROWS[0] * scale)[0]
+
+        found = minimize(score, np.full(5, 1.1), method="Nelder-Mead", options=options)
         return clean.nrmse(ROWS[0] * found.x)[0]
 
     assert fitted_nrmse(family(elbow, noise=NOISE), "nrmse") < 0.003
@@ -138,9 +128,8 @@ def test_initial_torques(elbow):
         np.testing.assert_allclose(fixed.responses(ROWS[0])[0], expected, atol=1e-9)
         both = identified.responses([[*ROWS[0], first], [*ROWS[1], 0.5]])
         np.testing.assert_allclose(both[0], expected, atol=1e-9)
-        np.testing.assert_array_equal(
-            both[1], CurveObjective(curves, initial_torque=0.5).responses(ROWS[1])[0]
-        )
+        alone = CurveObjective(curves, initial_torque=0.5).responses(ROWS[1])[0]
+        np.testing.assert_array_equal(both[1], alone)
         measured = CurveObjective(curves, initial_torque="measured").responses(ROWS)
         starts = np.cumsum([0, *(curve.angle.size for curve in curves)])[:-1]
         np.testing.assert_array_equal(measured[:, starts], [[one.torque[0] for one in curves]] * 2)
@@ -161,7 +150,6 @@ def test_bad_input(small_family):
         ({"initial_torque": "identified"}, row, r"give rows of 6 numbers.*initial torque"),
         ({"normalize": "curve", "curves": beside}, row, "every torque of curve 'silent' is zero"),
     ]
-    assert_refused(
-        lambda options, given: CurveObjective(**{"curves": small_family} | options)(given), rows
-    )
+    usual = {"curves": small_family}
+    assert_refused(lambda options, given: CurveObjective(**usual | options)(given), rows)
     assert np.isfinite(CurveObjective(beside)(ROWS)).all()

@@ -116,10 +116,8 @@ def test_torque_that_is_measured_at_another_time_is_no_dashpot(elbow, lag, said_
 GAP = 0.05
 
 
-def unhurried(truth, seed=0, noise=0.01):
-    """Returns first-order curves with white noise, a share of the peak."""
-    peak = np.abs(truth.response([0.52, 1.57])).max()
-    return family(truth, (0.8, 1.1, 1.4, 1.57), noise=noise * peak, seed=seed, samples=80)
+def unhurried(truth, seed=0):
+    return family(truth, (0.8, 1.1, 1.4, 1.57), share=0.01, seed=seed, samples=80)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.benchmarks.honesty.truths import KINDS, measured
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen
 from activesuit.identification import Curve, Search, fit_curves, motion_coverage
@@ -54,19 +53,6 @@ def test_a_model_of_the_wrong_kind_is_reported(memory):
     assert right.verdict == (NOT_BEYOND if memory == 0 else UNKNOWN)
     twice = fit_curves(family(STOPS, memory=memory, repeats=2), model="bouc-wen")
     assert twice.verdict == NOT_BEYOND
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("model", ["jiles-atherton", "bouc-wen"])
-def test_a_record_of_growing_cycles_does_not_excuse_a_misfit(model):
-    """Its misfit is smooth and long, as slow noise is; version 0.2 took it for that."""
-    for kind in ("pinched", "Duhem", "Dahl", "fractional"):
-        rng = np.random.default_rng(7)
-        curves = measured(KINDS[kind](rng), (0.0, 0.0), rng, size=0.02, record=True)
-        start = {"initial_torque": "identified"} if model == "jiles-atherton" else {}
-        fit = fit_curves(curves, model=model, **start)
-        assert fit.verdict == NOT
-        assert fit.judgement.causes == ()
 
 
 def louder(curves, deviation, seed=0):

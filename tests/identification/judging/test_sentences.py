@@ -36,8 +36,5 @@ def test_options_belong_to_sentences_and_are_written_for_python_and_the_command_
 def test_a_remark_is_data_with_a_code():
     remark = Remark("unit angle", {"span": 0.01711})
     assert (remark.code, remark.option) == ("unit", None)
-    assert remark.to_dict() == {
-        "code": "unit",
-        "sentence": "the angles span only 0.0171 rad: check their unit",
-        "option": None,
-    }
+    sentence = "the angles span only 0.0171 rad: check their unit"
+    assert remark.to_dict() == {"code": "unit", "sentence": sentence, "option": None}

@@ -299,9 +299,8 @@ def rank_transcription(objective, bounds, size, iterations, seed, distance_rank,
 @pytest.mark.parametrize("inertia", [None, "linear"])
 def test_each_step_of_rank_distance_is_the_papers(distance_rank, inertia):
     options = {} if inertia is None else {"inertia": inertia}
-    swarm = RankDistanceMPSO(
-        WIDE, swarm_size=8, max_iterations=40, distance_rank=distance_rank, rng=2, **options
-    )
+    given = {"swarm_size": 8, "max_iterations": 40, "rng": 2, **options}
+    swarm = RankDistanceMPSO(WIDE, distance_rank=distance_rank, **given)
     result = swarm.minimize(valleys)
     history, _, population = rank_transcription(valleys, WIDE, 8, 40, 2, distance_rank, inertia)
     np.testing.assert_allclose(result.history, history, rtol=1e-9)

@@ -9,13 +9,9 @@ import pytest
 from activesuit.envs.benchmark import leaderboard, run_trial
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
-from helpers import fails, panels_of, run, short_benchmark
+from helpers import BENCHMARK, fails, panels_of, run, short_benchmark
 
-SMALL = (
-    *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
-    *("emu-like", "--policies", "none", "compensation", "--motions", "8"),
-    *("--workers", "1", "--backend", "threading"),
-)
+SMALL = [*BENCHMARK, "--policies", "none", "compensation"]
 FILES = ("results.jsonl", "tables.md")
 
 
@@ -62,11 +58,8 @@ def test_a_damaged_trial_is_named(capsys, tmp_path, whole):
     folder = tmp_path / "run"
     shutil.copytree(whole, folder)
     first, second = sorted((folder / "trials").glob("*.json"))[:2]
-    for content, message in (
-        ("", "is not complete JSON"),
-        ("{}", "is no result of the benchmark"),
-        (second.read_text(), "another trial"),
-    ):
+    damages = {"": "is not complete JSON", "{}": "is no result of the benchmark"}
+    for content, message in (damages | {second.read_text(): "another trial"}).items():
         first.write_text(content)
         reported = fails(capsys, *SMALL, "--out", folder)
         assert message in reported and "delete it" in reported
@@ -91,10 +84,10 @@ def test_a_policy_of_the_working_folder(capsys, tmp_path, monkeypatch):
     assert "ZeroDivisionError" in out
 
 
-@pytest.mark.parametrize(
-    ("policy", "message"),
-    [("compensation:load=99", "the believed load is 99"), ("corrected", "cuffs")],
-)
+CANNOT = {"compensation:load=99": "the believed load is 99", "corrected": "cuffs"}
+
+
+@pytest.mark.parametrize(("policy", "message"), CANNOT.items())
 def test_what_cannot_act_is_refused_before_anything_runs(capsys, tmp_path, policy, message):
     wrong = [policy if one == "compensation" else one for one in SMALL]
     assert message in fails(capsys, *wrong, "--out", tmp_path / "run")

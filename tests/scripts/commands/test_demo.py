@@ -1,18 +1,16 @@
 """The demo: one command from loops to report."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
-from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+from activesuit.envs.rendering import ArmRenderer, RenderingUnavailableError
 from activesuit.scripts.commands import demo as demo_module
 from activesuit.scripts.commands.demo import demo
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
-from helpers import fails, shorten_tasks
+from helpers import fails, python, shorten_tasks
 
 PLACES = ("earth", "microgravity")
 
@@ -31,9 +29,7 @@ def run(tmp_path_factory):
         "print('loaded:', *sys.modules)"
     )
     arguments = ["demo", "--trials", "1", "--motions", "8", "--out", str(path)]
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments], check=False, capture_output=True, text=True
-    )
+    done = python("-c", code, *arguments)
     assert done.returncode == 0, done.stderr
     return path, done.stdout.rpartition("loaded: ")[2].split()
 
@@ -42,7 +38,7 @@ def run(tmp_path_factory):
 def sketched(undrawn, monkeypatch):
     """For demos whose pictures nobody looks at: short motions on Earth, no figures, no arm."""
     monkeypatch.setattr(demo_module, "GRAVITIES", ("earth",))
-    monkeypatch.setattr(Renderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
+    monkeypatch.setattr(ArmRenderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
     shorten_tasks(monkeypatch, 0.5)
 
 
@@ -91,10 +87,10 @@ def test_numbers_are_there(run):
 @pytest.mark.slow
 @pytest.mark.usefixtures("sketched")
 def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
-    def unavailable(self, model, data, beside):
+    def unavailable(*scene):
         raise RenderingUnavailableError("no OpenGL context")
 
-    monkeypatch.setattr(Renderer, "picture", unavailable)
+    monkeypatch.setattr(ArmRenderer, "picture", unavailable)
     demo(out=tmp_path, trials=1, motions=8)
     assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
     assert not (tmp_path / "arm.png").exists()

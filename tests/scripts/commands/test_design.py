@@ -35,9 +35,8 @@ def test_design_rig_identify(capsys, tmp_path, undrawn):
 def test_the_record_is_data_and_keeps_the_limits(capsys, tmp_path):
     out = tmp_path / "new.csv"
     limits = ["--min-rate", 0.05, "--max-rate", 0.2, "--sample-rate", 10]
-    result = json.loads(
-        run(capsys, "design", "--range", -0.2, 0.4, *limits, "--out", out, "--json")
-    )
+    given = ["--range", -0.2, 0.4, *limits, "--out", out, "--json"]
+    result = json.loads(run(capsys, "design", *given))
     time, angle = load_motion(out)
     assert (angle[0], angle[-1]) == (-0.2, -0.2)
     rates = np.abs(np.diff(angle) / np.diff(time))

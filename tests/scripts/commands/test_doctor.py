@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from contextlib import nullcontext
 from importlib import metadata
 
@@ -15,6 +13,7 @@ from activesuit.hysteresis import first_use
 from activesuit.scripts import compiling
 from activesuit.scripts.commands import doctor as module
 from activesuit.scripts.main import main
+from helpers import python
 from numba import njit
 
 PICTURE = module.PICTURE
@@ -128,9 +127,8 @@ def test_it_counts_what_it_compiles(capsys, monkeypatch):
 @pytest.mark.slow
 def test_after_it_no_command_compiles_for_long(tmp_path):
     def run(*arguments):
-        program = [sys.executable, "-m", "activesuit.scripts.main", *arguments]
-        given = {"env": {**os.environ, ALONE: "1"}, "cwd": tmp_path, "capture_output": True}
-        found = subprocess.run(program, **given, text=True, check=False)
+        given = {"env": {**os.environ, ALONE: "1"}, "cwd": tmp_path}
+        found = python("-m", "activesuit.scripts.main", *arguments, **given)
         assert "Traceback" not in found.stderr
         return found
 

@@ -98,16 +98,12 @@ def test_inputs_outputs_and_metadata(tmp_path):
     found = read_card(folder)
     model = onnx_model(found, read_network(folder, found))
     onnx.checker.check_model(model, full_check=True)
-    shapes = {
-        one.name: [side.dim_param or side.dim_value for side in one.type.tensor_type.shape.dim]
-        for one in (*model.graph.input, *model.graph.output)
-    }
-    assert shapes == {
-        "observation": ["batch", 12],
-        "memory": [2, "batch", 16],
-        "action": ["batch", 2],
-        "next_memory": [2, "batch", 16],
-    }
+    shapes = {}
+    for one in (*model.graph.input, *model.graph.output):
+        sides = one.type.tensor_type.shape.dim
+        shapes[one.name] = [side.dim_param or side.dim_value for side in sides]
+    ins = {"observation": ["batch", 12], "memory": [2, "batch", 16]}
+    assert shapes == ins | {"action": ["batch", 2], "next_memory": [2, "batch", 16]}
     about = {one.key: one.value for one in model.metadata_props}
     observation = json.loads(about["observation"])
     assert observation == OBSERVATION
@@ -157,9 +153,8 @@ def test_an_lstm_without_a_layer(capsys, run):
     damaged = SimpleNamespace(weights=weights, activation="tanh", squashed=False)
     for name, content in files_of(card(), damaged).items():
         (run / name).write_bytes(content)
-    assert "readable network (the network has no layer.0.weight" in fails(
-        capsys, "export", run, "--onnx"
-    )
+    message = fails(capsys, "export", run, "--onnx")
+    assert "readable network (the network has no layer.0.weight" in message
 
 
 @pytest.mark.parametrize("format", ["--onnx", "--c"])

@@ -138,9 +138,7 @@ def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit,
 
 
 @pytest.mark.slow
-def test_an_offset_that_is_not_determined_is_not_fitted_and_nothing_is_lost(
-    laboratory_suit, capsys, tmp_path
-):
+def test_an_offset_that_is_not_determined_is_not_fitted(laboratory_suit, capsys, tmp_path):
     folder, _ = laboratory_suit
     options = ["--tare", "fit", "--joint", "elbow_flexion", "--samples", 0, "--out", tmp_path / "t"]
     said = " ".join(run(capsys, folder / "rohdaten.csv", *options, code=3).split())

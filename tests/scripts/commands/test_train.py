@@ -16,7 +16,7 @@ from activesuit.envs.policies import environment_of, make_policy
 from activesuit.scripts import own_files
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
-from helpers import fails, panels_of, shorten_tasks
+from helpers import fails, interrupt, panels_of, shorten_tasks
 
 pytest.importorskip("stable_baselines3")
 import torch
@@ -167,10 +167,6 @@ def test_a_suit_file_comes_with_the_run(tmp_path, monkeypatch):
     assert environment_of("run")["suit"] == "run/suit.json"
     assert load_suit("run/suit.json") == load_suit("emu-like")
     train(Path("run"), "--resume", steps=2 * ROLLOUT)
-
-
-def interrupt(*arguments, **options):
-    raise KeyboardInterrupt
 
 
 def interrupted(capsys, out, *more) -> str:
@@ -342,10 +338,8 @@ def test_evaluations_on_the_way(corrected):
 
 def test_policies_beside_are_lines_in_the_learning_curve():
     relief = {"value": 0.5, "low": 0.4, "high": 0.7}
-    plot = report.learning_plot(
-        {"ppo": [{"steps": 1, "relief": relief}, {"steps": 2, "relief": None}]},
-        {"none": None, "compensation": relief},
-    )
+    found = [{"steps": 1, "relief": relief}, {"steps": 2, "relief": None}]
+    plot = report.learning_plot({"ppo": found}, {"none": None, "compensation": relief})
     assert list(plot.styles()) == ["compensation", "ppo"]
 
 

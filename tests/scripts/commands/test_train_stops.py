@@ -70,9 +70,7 @@ def stop_after(monkeypatch, out, moves, stop):
     ("name", "more", "evaluations"),
     [("ppo", [], 3), ("ppo", ["--patience", "1"], 2), ("sac", [], 3), ("student", [], 3)],
 )
-def test_a_training_that_is_stopped_after_any_file_is_the_whole(
-    tmp_path, monkeypatch, name, more, evaluations
-):
+def test_stopped_after_any_file_it_is_the_whole(tmp_path, monkeypatch, name, more, evaluations):
     """Evaluations, card and policy are the same to the last bit, and there is a report."""
     if "--patience" in more:  # no evaluation is good enough to go on
         monkeypatch.setattr(evaluations_module, "BETTER", 10.0)
