@@ -26,7 +26,7 @@ from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit
 from activesuit.envs.belief import BelievedSuit, JointBelief, belief_of
 from activesuit.envs.evaluation import Evaluation, Interval, Trace, evaluate
 from activesuit.envs.model import ASSISTED
-from activesuit.envs.model.exoskeleton import count_of
+from activesuit.envs.model.encoders import count_of
 from activesuit.envs.plant import Plant
 from activesuit.envs.policies.model_based import SHARE, ModelBased
 from activesuit.envs.rig import Record, RigConfig, run_rig

@@ -10,7 +10,7 @@ from ...assets import AnySuit, SuitJoint
 from ...errors import InputError
 from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
 from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
-from ..model.exoskeleton import count_of
+from ..model.encoders import count_of
 from ..model.workplace import Edits
 from ..person import Person
 from ..provenance import check_settings, setting

@@ -10,7 +10,8 @@ from .compose import (
     suit_of_config,
 )
 from .config import GRAVITY, ArmConfig, Payload
-from .exoskeleton import ASSISTED, Exo, start_encoders
+from .encoders import start_encoders
+from .exoskeleton import ASSISTED, Exo
 from .motors import Motor
 from .variants import mirror
 

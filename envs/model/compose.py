@@ -18,7 +18,8 @@ from ..person import segments
 from . import bushing
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
-from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
+from .encoders import delay_encoders
+from .exoskeleton import ASSISTED, fit_exoskeleton, remove_exoskeleton
 from .fitting import attach_others, attach_suit, fit_person, remove_suit
 from .variants import make_lean, mirror, remove_drawings, taken_keyframes
 from .workplace import Edits, edit, grip, holder

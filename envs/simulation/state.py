@@ -14,7 +14,7 @@ from ...arrays import Array
 from ...checks import HIGHEST_SEED
 from ...errors import InputError, shown
 from ..model import ArmConfig
-from ..model.exoskeleton import count_of
+from ..model.encoders import count_of
 from ..person import VoluntaryControl
 from ..person.control import noise_constants, sight_periods
 from . import structs
