@@ -338,8 +338,7 @@ def test_who_has_learned_the_exoskeleton_gains_from_it_and_little_more_from_a_re
     assert rms(assisted.angle - assisted.target_angle) < 0.01  # rad
 
 
-# Cuffs bear nothing yet when the wearer gives up torque, so that the arm yields [rad].
-YIELDS = {"rigid": 0.001, "cuffs": 0.015}
+YIELDS = {"rigid": 0.001, "cuffs": 0.015}  # [rad]: cuffs are unloaded when motors begin
 
 
 @pytest.mark.parametrize("coupling", YIELDS)
