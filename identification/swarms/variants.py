@@ -321,9 +321,13 @@ def minimized(
 
 
 pso = partial(minimized, PSO)
+"""Minimizes by the basic particle swarm, with the arguments of `minimized` and of `PSO`."""
 sa_pso = partial(minimized, SAPSO)
+"""Minimizes by SA-PSO of Li et al. 2022, with the arguments of `minimized` and of `SAPSO`."""
 mpso = partial(minimized, MPSO)
+"""Minimizes by MPSO of Li et al. 2022, with the arguments of `minimized` and of `MPSO`."""
 rank_distance_mpso = partial(minimized, RankDistanceMPSO)
+"""Minimizes by the MPSO of Kao and Fung 2009, with the arguments of `RankDistanceMPSO`, too."""
 SWARMS: dict[str, Optimizer] = {name: partial(minimized, core) for name, core in CORES.items()}
 OPTIMIZERS: dict[str, Optimizer] = dict(SWARMS)
 
