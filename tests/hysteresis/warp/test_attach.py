@@ -200,7 +200,7 @@ def test_closed_loop(device, integrator, worlds, steps):
     lost = sensors(rows, "dissipated_energy") - before
     over = np.abs(hysteresis.dissipated() - lost) / (1e-3 + 1e-3 * np.abs(lost))
     assert np.median(over) < 0.1
-    assert over.max() < 2  # steps across the end of a clipped range are not those of a trapezoid
+    assert over.max() < 2  # 1.08 was seen once, in the joint with a clipped range
 
 
 def elbow_in_warp(worlds, model=ELBOW, **options):
