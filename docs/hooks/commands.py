@@ -9,6 +9,7 @@ import os
 import re
 from collections.abc import Iterator
 from typing import NamedTuple
+from unittest.mock import patch
 
 PAGE, MARK = "commands.md", "<!-- options of all commands -->"
 NOTHING = re.compile(r" \(default: (None|False|)\)$")
@@ -54,8 +55,11 @@ def _help(name: str) -> str:
     """Returns what a command prints as its help, in one column."""
     from activesuit.scripts.main import main
 
-    os.environ["COLUMNS"] = "80"
-    with contextlib.redirect_stdout(io.StringIO()) as printed, contextlib.suppress(SystemExit):
+    with (
+        patch.dict(os.environ, COLUMNS="80"),
+        contextlib.redirect_stdout(io.StringIO()) as printed,
+        contextlib.suppress(SystemExit),
+    ):
         main([*name.split(), "--help"])
     return printed.getvalue()
 

@@ -141,7 +141,7 @@ def state_of(
         motors=allocated(
             structs.Motors,
             sizes,
-            ratings=np.array([at.peak_torque, *np.reshape(heat, (-1, 2)).T]),  # in rows: one type
+            ratings=np.array([at.peak_torque, *np.reshape(heat, (-1, 2)).T]),  # not a transpose
             fails=np.array(stopped),
         ),
         sensors=allocated(
