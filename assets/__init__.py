@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import unknown_name
 from .suit_joints import JOINTS, Softening, SuitJoint
-from .suits import AnySuit, Suit, load_suit, save_suit, suit_names
+from .suits import AnySuit, Suit, load_suit, suit_names
 
 FOLDER = Path(__file__).parent
 SCENE = FOLDER / "mjcf" / "scene.xml"
@@ -31,6 +31,5 @@ __all__ = [
     "SuitJoint",
     "curves_path",
     "load_suit",
-    "save_suit",
     "suit_names",
 ]

@@ -219,8 +219,3 @@ def _checked(content: Any, place: object) -> Suit:
         return Suit.model_validate(content)
     except ValidationError as error:
         raise InputError(f"{place}: {first_problem(error)}") from error
-
-
-def save_suit(suit: Suit, path: str | os.PathLike[str]) -> None:
-    """Writes a suit file that `load_suit` reads back; the same as `suit.save(path)`."""
-    suit.save(path)

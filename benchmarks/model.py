@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from ..arrays import Array
-from ..assets import JOINTS, load_suit, save_suit
+from ..assets import JOINTS, load_suit
 from ..envs.model import ArmConfig, arm_spec, bare_arm, compose
 from ..envs.model.config import COUPLINGS
 from ..envs.simulation.episode_plan import Motion
@@ -56,7 +56,7 @@ def _chain(config: ArmConfig) -> mujoco.MjModel:
     """Returns the model of `config` with a suit that does not resist, and without a wearer."""
     limp = load_suit(config.suit).model_copy(update={"joints": {}})
     with TemporaryDirectory() as folder:
-        save_suit(limp, Path(folder) / "limp.json")
+        limp.save(Path(folder) / "limp.json")
         spec = arm_spec(replace(config, suit=str(Path(folder) / "limp.json")))
     wearer = [actuator for actuator in spec.actuators if actuator.name.startswith("human_")]
     meters = [sensor for sensor in spec.sensors if sensor.name.startswith("human_")]

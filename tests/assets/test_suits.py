@@ -14,7 +14,6 @@ from activesuit.assets import (
     SuitJoint,
     curves_path,
     load_suit,
-    save_suit,
     suit_names,
 )
 from activesuit.benchmarks.references import EXAMPLES
@@ -110,7 +109,7 @@ def test_joints_are_table_2_as_printed_or_name_their_curves():
 def test_every_model_can_be_in_a_suit(tmp_path, model):
     suit = suit_of(joint_of(model, samples=(model, model.scaled(torque=1.1))))
     for one in (suit, suit.preconditioned()):
-        save_suit(one, tmp_path / "any.json")
+        one.save(tmp_path / "any.json")
         assert load_suit(tmp_path / "any.json") == one
     assert suit != one
 

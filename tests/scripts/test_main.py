@@ -9,7 +9,7 @@ import sys
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import Suit, load_suit, save_suit
+from activesuit.assets import Suit, load_suit
 from activesuit.scripts import main as main_module
 from activesuit.scripts import output
 from activesuit.scripts.engine_log import engine_warnings
@@ -166,7 +166,7 @@ def test_no_table_is_cut(capsys, monkeypatch):
 def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
     joints = {"elbow_flexion": load_suit("mock-suit").joints["elbow_flexion"]}
     names = {"name": "a\x1b[31m", "description": "b\x1b]0;title\x07"}
-    save_suit(Suit(**names, joints=joints), tmp_path / "s.json")
+    Suit(**names, joints=joints).save(tmp_path / "s.json")
     main(["list", "suits", str(tmp_path / "s.json")])
     shown = capsys.readouterr().out
     assert "\x1b" not in shown

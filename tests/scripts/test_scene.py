@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import load_suit, save_suit
+from activesuit.assets import load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.benchmark import suite
 from activesuit.envs.evaluation import evaluate
@@ -313,7 +313,7 @@ def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, short):
     suit = load_suit("mock-suit")
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     half = tmp_path / "half.json"
-    save_suit(suit.model_copy(update={"joints": elbow}), half)
+    suit.model_copy(update={"joints": elbow}).save(half)
     few = ["--motions", "8", "--env", "ActiveSuit/ElbowFlexion-v0"]
     out = run(capsys, "validate", half, "--plant", "mock-suit", *few)
     assert f"shoulder_flexion: not assisted, because {half} has no such joint" in out

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import load_suit, save_suit
+from activesuit.assets import load_suit
 from activesuit.envs.benchmark import SUITES, Setting, run_trial, suite
 from activesuit.envs.benchmark.results import lines, read_results
 from activesuit.envs.benchmark.standings import Standings
@@ -154,7 +154,7 @@ def test_a_policy_stands_only_at_levels_where_it_ran(results):
 def test_a_suit_file_names_results_and_its_content_the_contract(tmp_path):
     path, contracts = tmp_path / "my.json", {SUITES["full"].contract, SUITES["cuffs"].contract}
     for name in ("mock-suit", "emu-like"):
-        save_suit(load_suit(name), path)
+        load_suit(name).save(path)
         small = suite("quick", tasks=("ElbowFlexion",), believed=(str(path),))
         contracts.add(small.contract)
         path.unlink()

@@ -5,7 +5,7 @@ from itertools import product
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, SCENE, load_suit, save_suit, suit_names
+from activesuit.assets import JOINTS, SCENE, load_suit, suit_names
 from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm, compose
 from activesuit.envs.model.compose import resisting_joints
 from activesuit.envs.model.config import COUPLINGS, SIDES
@@ -136,10 +136,10 @@ def test_a_leaning_torso_turns_the_arm_in_the_gravity_field(pitch):
 
 def test_a_suit_file_with_a_new_content_is_read_again(tmp_path):
     suit, path = load_suit("mock-suit"), tmp_path / "suit.json"
-    save_suit(suit, path)
+    suit.save(path)
     assert compose(ArmConfig(suit=path)).nplugin == len(suit.joints)
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
-    save_suit(suit.model_copy(update={"joints": elbow}), path)
+    suit.model_copy(update={"joints": elbow}).save(path)
     assert compose(ArmConfig(suit=path)).nplugin == 1
 
 

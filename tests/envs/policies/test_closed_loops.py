@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, load_suit, save_suit
+from activesuit.assets import JOINTS, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.belief import BelievedWeight
 from activesuit.envs.belief.arm import without_exo
@@ -123,7 +123,7 @@ def test_scores_are_what_they_say():
 def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     suit = load_suit("mock-suit")
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
-    save_suit(suit.model_copy(update={"joints": elbow}), tmp_path / "half.json")
+    suit.model_copy(update={"joints": elbow}).save(tmp_path / "half.json")
     arms = ArmEnv("ElbowFlexion").rows(1, max_episode_steps=100)
     half = make_policy({"name": "feedforward", "suit": tmp_path / "half.json"}, arms)
     (trace,) = rollout(arms, half, [0])
@@ -201,7 +201,7 @@ def test_rows_that_begin_anew_have_a_memory_of_their_own(name):
 
 
 def test_a_suit_file_is_part_of_the_plain_data(tmp_path):
-    save_suit(load_suit("emu-like"), tmp_path / "mine.json")
+    load_suit("emu-like").save(tmp_path / "mine.json")
     residual = residual_of(f"compensation:suit={tmp_path / 'mine.json'}", 0.3)
     (tmp_path / "mine.json").unlink()
     again = Residual.model_validate_json(residual.model_dump_json())

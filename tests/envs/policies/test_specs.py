@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import load_suit, save_suit
+from activesuit.assets import load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.making import make_arms
@@ -74,7 +74,7 @@ def test_a_belief_is_not_the_true_suit():
 def test_a_belief_without_any_assisted_joint(tmp_path):
     suit = load_suit("emu-like")
     wrist = {"wrist_flexion": suit.joints["wrist_flexion"]}
-    save_suit(suit.model_copy(update={"joints": wrist}), tmp_path / "wrist.json")
+    suit.model_copy(update={"joints": wrist}).save(tmp_path / "wrist.json")
     given = {"name": "feedforward", "suit": str(tmp_path / "wrist.json")}
     rows = [(given, ArmEnv(), "neither shoulder_flexion nor elbow_flexion, which have")]
     assert_refused(make_policy, rows)

@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError
 import gymnasium
 import numpy as np
 import pytest
-from activesuit.assets import load_suit, save_suit
+from activesuit.assets import load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.making import make_arms
@@ -221,7 +221,7 @@ def test_networks_that_make_no_policy(tmp_path):
 def test_a_belief_of_a_file_is_part_of_the_card(tmp_path):
     from stable_baselines3 import PPO
 
-    save_suit(load_suit("emu-like"), tmp_path / "mine.json")
+    load_suit("emu-like").save(tmp_path / "mine.json")
     seen = {"sensors": ("encoders", "belief"), "belief": {"suit": str(tmp_path / "mine.json")}}
     arms = ArmVectorEnv(2, "ArmTracking", autoreset_mode="SameStep", **seen)
     env = ArmVecEnv(arms)

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
+from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit, suit_names
 from activesuit.envs import TASKS
 from activesuit.envs.domain.levels import LEVELS
 from activesuit.envs.policies import POLICIES
@@ -73,7 +73,7 @@ def saved(path, model, **changes):
     """Writes a suit file with an elbow; returns the path."""
     given = {"range": (0.0, 1.5), "start_angle": 0.0, "grade": "assumed", "source": "a test"}
     joint = SuitJoint(model=model, **(given | changes))
-    save_suit(Suit(name="own", description="", joints={"elbow_flexion": joint}), path)
+    Suit(name="own", description="", joints={"elbow_flexion": joint}).save(path)
     return path
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import load_suit, save_suit
+from activesuit.assets import load_suit
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import environment_of, make_policy
 from activesuit.scripts import own_files
@@ -160,7 +160,7 @@ def test_without_a_place_for_notes_a_run_needs_trust(run, tmp_path, monkeypatch,
 
 @pytest.mark.slow
 def test_a_suit_file_comes_with_the_run(tmp_path, monkeypatch):
-    save_suit(load_suit("emu-like"), tmp_path / "mine.json")
+    load_suit("emu-like").save(tmp_path / "mine.json")
     monkeypatch.chdir(tmp_path)
     train(Path("run"), "--suit", "mine.json")
     Path("mine.json").unlink()
