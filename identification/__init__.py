@@ -4,7 +4,7 @@ from .corrections.corrections import Corrections
 from .corrections.cycles import averaged_cycles
 from .data.curves import Curve, Curves
 from .data.files import Motion, load_curves, load_motion, save_curves, save_motion
-from .data.motions import Design, first_order_motions, measure, multi_order_motion, nested_motion
+from .data.motions import Design, first_order_motions, measure, nested_motion
 from .fit import Fit
 from .fit_curves import Trial, fit_curves
 from .fits.beside_polynomial import fit_asymmetric, fit_bouc_wen, fit_dahl, fit_duhem
@@ -81,7 +81,6 @@ __all__ = [
     "measure",
     "motion_coverage",
     "mpso",
-    "multi_order_motion",
     "nested_motion",
     "pso",
     "rank_distance_mpso",

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import CURVES, FOLDER, Suit, SuitJoint
+from ..benchmarks.honesty.truths import multi_order_motion
 from ..hysteresis import TABLE_2, JilesAtherton, nearest_certified
 from ..identification import (
     Curves,
@@ -20,7 +21,6 @@ from ..identification import (
     fit_curves,
     load_curves,
     measure,
-    multi_order_motion,
     save_curves,
 )
 from ..published import LI_LOWEST, LI_TURNS
@@ -208,7 +208,8 @@ def main(folder: Path = FOLDER) -> None:
         )
         fit = fit_curves(whole, method="certified", seed=SEED)
         fits[name] = nearest_certified(bare(fit.model)).model
-        identified[joint] = SuitJoint.from_fit(fit, note=LABEL)
+        entry = SuitJoint.from_fit(fit)
+        identified[joint] = entry.model_copy(update={"source": f"{entry.source} {LABEL}"})
     published_suit = Suit(
         name="published-2022",
         description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 rad "

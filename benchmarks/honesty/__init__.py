@@ -15,7 +15,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...files import write_text
-from ...identification import Curve, Fit, fit_curves, multi_order_motion
+from ...identification import Curve, Fit, fit_curves
 from ...identification.fits.objective import InitialTorque
 from ...identification.fits.search import NOISE_MARGIN
 from ...identification.judging.judgement import UNLIKELY
@@ -27,7 +27,7 @@ from ...scripts.output import progress
 from ...tables import Rows
 from .bands import FAMILIES, band_case
 from .faults import FAULTS, is_named, named
-from .truths import KINDS, NOISE, PEAK, STEP, jiles_atherton, measured
+from .truths import KINDS, NOISE, PEAK, STEP, jiles_atherton, measured, multi_order_motion
 
 NOISES = {
     "white": (0.0, 0.0),

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...identification import Curve, first_order_motions, multi_order_motion, select
+from ...identification import Curve, first_order_motions, select
 from ...identification import nested_motion as next_record
 from ...identification.data.motions import MAX_RATE, MIN_RATE
 from .truths import (
@@ -22,6 +22,7 @@ from .truths import (
     cubic,
     dead_zone,
     jiles_atherton,
+    multi_order_motion,
     scaled,
 )
 

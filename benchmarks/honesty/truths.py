@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,11 +13,13 @@ from ...hysteresis.certificate import PoleError
 from ...hysteresis.jiles_atherton.margins import margin_in_range
 from ...hysteresis.protocol import HysteresisModel
 from ...identification import Curve, first_order_motions
+from ...identification.data.motions import through
 from ...identification.fits.search import MARGIN
 from ...identification.judging.noise import slow_noise
 
 PEAK, NOISE, TURNS, STEP = 10.0, 0.1, 5, 0.015  # N·m, N·m, curves, rad
 CYCLES = 8  # of a record that grows
+LEAST_TRAVEL = 0.1  # least share of the range between two reversals of a random motion
 
 Torque = Callable[[Array], Array]
 
@@ -277,9 +278,20 @@ def growing(truth: Truth) -> Array:
     middle, most = (truth.low + truth.high) / 2, (truth.high - truth.low) / 2
     sizes = most * np.linspace(0.15, 1, CYCLES)
     turns = [middle + way * size for size in sizes.tolist() for way in (1, -1)]
-    points = [truth.low, *turns]
-    pieces = [
-        np.linspace(start, end, max(round(abs(end - start) / STEP), 1) + 1)[1:]
-        for start, end in pairwise(points)
-    ]
-    return np.concatenate([[truth.low], *pieces])
+    return through([truth.low, *turns], STEP)
+
+
+def multi_order_motion(
+    low: float, high: float, *, turns: int, angle_step: float, rng: np.random.Generator
+) -> Array:
+    """Returns a motion that reverses at random angles, so that curves of higher order are nested.
+
+    The motion begins upwards at `low`. The end of each branch is uniform over the angles ahead in
+    the range, at least 10 % of the range away. The result has a step of about `angle_step` [rad],
+    shape (n,).
+    """
+    least, points = LEAST_TRAVEL * (high - low), [low]
+    for i in range(turns + 1):
+        ahead = (points[-1] + least, high) if i % 2 == 0 else (low, points[-1] - least)
+        points.append(rng.uniform(*ahead))
+    return through(points, angle_step)

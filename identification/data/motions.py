@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ...checks import at_least, number, numbers
+from ...checks import number, numbers
 from ...errors import InputError
 from ...hysteresis import HysteresisModel
 from ...hysteresis.protocol import finite_series
@@ -25,7 +25,6 @@ SHORTEST = 1.0  # assumed time of a branch [s], in which a motor speeds up and s
 LONGEST = 3600.0  # longest record of the simulated rig [s]
 MOST = 1_000_000  # largest number of samples
 GOLDEN = (math.sqrt(5) - 1) / 2  # golden ratio, whose multiples modulo 1 spread evenly
-LEAST_TRAVEL = 0.1  # least share of the range between two reversals of a random motion
 
 
 class Design(NamedTuple):
@@ -198,45 +197,15 @@ def first_order_motions(
     number("start_angle", start_angle, "rad")
     turns = numbers("turns", turns, "rad")
     motions = {
-        f"{turn:.2f}": _through([start_angle, turn, start_angle], angle_step) for turn in turns
+        f"{turn:.2f}": through([start_angle, turn, start_angle], angle_step) for turn in turns
     }
     if len(motions) < len(turns):
         raise InputError(f"turns are {turns}: give turns that differ by 0.01 rad or more")
     return motions
 
 
-def multi_order_motion(
-    low: float, high: float, *, turns: int, angle_step: float, rng: int | np.random.Generator
-) -> Array:
-    """Returns a motion that reverses at random angles, so that curves of higher order are nested.
-
-    The motion begins upwards at `low`. The end of each branch is uniform over the angles ahead in
-    the range, at least 10 % of the range away.
-
-    Args:
-        low: Smallest angle [rad].
-        high: Largest angle [rad].
-        turns: Number of reversals, >= 2: the second one begins a curve of second order.
-        angle_step: Step between samples, rounded so that it divides each branch [rad].
-        rng: Seed or generator of the turns.
-
-    Returns:
-        Angles [rad], shape (n,).
-    """
-    if not number("low", low, "rad") < number("high", high, "rad"):
-        raise InputError(f"the motion is from {low:g} to {high:g} rad: give low below high")
-    at_least("turns", turns, 2)
-    rng = np.random.default_rng(rng)
-    least = LEAST_TRAVEL * (high - low)
-    points = [low]
-    for i in range(turns + 1):
-        ahead = (points[-1] + least, high) if i % 2 == 0 else (low, points[-1] - least)
-        points.append(rng.uniform(*ahead))
-    return _through(points, angle_step)
-
-
-def _through(points: Sequence[float], angle_step: float) -> Array:
-    """Returns the angles of straight branches through `points`, each point once."""
+def through(points: Sequence[float], angle_step: float) -> Array:
+    """Returns the angles [rad] of straight branches through points, each point once, (n,)."""
     if number("angle_step", angle_step, "rad") <= 0:
         raise InputError(f"angle_step is {angle_step:g} rad: give a number above 0")
     angle = [np.array(points[:1], dtype=np.float64)]

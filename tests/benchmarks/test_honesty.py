@@ -9,6 +9,7 @@ from activesuit.benchmarks import honesty
 from activesuit.benchmarks.__main__ import main
 from activesuit.benchmarks.honesty import bands, truths
 from activesuit.hysteresis import BoucWen
+from activesuit.hysteresis.loops import reversals
 from helpers import sweep
 
 pytestmark = pytest.mark.slow
@@ -106,3 +107,24 @@ def test_the_command_prints_all_tables(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr(honesty, "CELLS", {name: [] for name in honesty.CELLS})
     main(["honesty", "--repeats", "1", "--out", str(tmp_path / "h"), "--json"])
     assert json.loads(capsys.readouterr().out)["cases"] == []
+
+
+def test_multi_order_motion():
+    def motion(turns, seed):
+        rng = np.random.default_rng(seed)
+        return truths.multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=rng)
+
+    for turns in [2, 3, 12]:
+        for seed in range(5):
+            angle = motion(turns, seed)
+            places = reversals(angle, 0.0)
+            assert len(places) == turns
+            assert angle[0] == 0.4 < angle[1]
+            assert 0.4 <= angle.min()
+            assert angle.max() <= 1.4
+            travels = np.abs(np.diff(angle[[0, *places, -1]]))
+            assert (travels >= 0.1 - 1e-12).all()
+            assert np.abs(np.diff(angle)).max() <= 0.005 * 1.03
+            # Second order: the second reversal comes before the first branch is wiped out.
+            assert angle[places[1]] > angle[0]
+            np.testing.assert_array_equal(angle, motion(turns, seed))

@@ -10,14 +10,8 @@ from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.rig import RigConfig, run_rig
 from activesuit.envs.rig.rig import NOISE
 from activesuit.hysteresis import BoucWen
-from activesuit.identification import (
-    Curve,
-    Motion,
-    fit_curves,
-    motion_coverage,
-    multi_order_motion,
-    nested_motion,
-)
+from activesuit.identification import Curve, Motion, fit_curves, motion_coverage, nested_motion
+from activesuit.identification.data.motions import through
 from helpers import assert_refused
 
 EXACT = NOISE / 10  # N·m, so that no reading of the default sensor could tell
@@ -109,7 +103,7 @@ def test_drift_starts_anew_with_each_curve_and_readings_have_their_resolutions(e
 
 
 def test_any_motion_of_any_model(elbow):
-    motion = multi_order_motion(START, 1.57, turns=6, angle_step=0.01, rng=0)
+    motion = through([START, 1.4, 0.7, 1.2, 0.6, 1.5, 1.0, 1.57], 0.01)
     config = RigConfig(suit=elbow, start_angle=START, noise=0)
     (record,) = run_rig(config, {"random": motion})
     assert record.name == "random"

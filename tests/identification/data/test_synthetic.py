@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from activesuit.hysteresis import TABLE_2, BoucWen, PoleError, PrandtlIshlinskii, Preisach
-from activesuit.hysteresis.loops import reversals
-from activesuit.identification import first_order_motions, measure, multi_order_motion
+from activesuit.identification import first_order_motions, measure
 from activesuit.identification.data.curves import noise_floor
 from helpers import assert_refused
 
@@ -73,24 +72,6 @@ def test_first_order_motions():
     np.testing.assert_allclose(down, [0, -0.1, -0.2, -0.3, -0.4, -0.5, -0.4, -0.3, -0.2, -0.1, 0])
 
 
-def test_multi_order_motion():
-    for turns in [2, 3, 12]:
-        for seed in range(5):
-            angle = multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
-            places = reversals(angle, 0.0)
-            assert len(places) == turns
-            assert angle[0] == 0.4 < angle[1]
-            assert 0.4 <= angle.min()
-            assert angle.max() <= 1.4
-            travels = np.abs(np.diff(angle[[0, *places, -1]]))
-            assert (travels >= 0.1 - 1e-12).all()
-            assert np.abs(np.diff(angle)).max() <= 0.005 * 1.03
-            # Second order: the second reversal comes before the first branch is wiped out.
-            assert angle[places[1]] > angle[0]
-            again = multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
-            np.testing.assert_array_equal(angle, again)
-
-
 def test_bad_rigs(elbow):
     rows = [
         ({"motions": {}}, "there is no motion"),
@@ -114,14 +95,6 @@ def test_a_motion_into_the_pole_is_no_measurement(shoulder):
 
 
 def test_bad_motions():
-    rows = [
-        ((1.0, 0.5), {}, "from 1 to 0.5 rad: give low below high"),
-        ((0.0, math.inf), {}, "high is inf"),
-        ((0.0, 1.0), {"turns": 1}, "turns is 1: use at least 2"),
-        ((0.0, 1.0), {"angle_step": 0.0}, "angle_step is 0 rad: give a number above 0"),
-    ]
-    usual = {"turns": 5, "angle_step": 0.01, "rng": 0}
-    assert_refused(lambda ends, changes: multi_order_motion(*ends, **usual | changes), rows)
     rows = [
         ((0.871, 0.872), 0.5, 0.01, "differ by 0.01 rad"),
         ((), 0.5, 0.01, "give at least one number"),
