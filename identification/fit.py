@@ -1,31 +1,38 @@
 """The result of an identification: a model, its errors, its verdict and remarks."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
 
 from ..arrays import Array
+from ..hysteresis.around import Asymmetric, Backlash, Clipped, Viscoelastic, without_rate
+from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from .corrections.corrections import Corrected, Corrections
 from .corrections.softening import Softening
 from .data.curves import Curve, Curves
 from .data.parts import FITTED
+from .fits.certified import EXCESS, SHAPE
 from .fits.magnetic import FORMS
 from .fits.objective import Fitted, InitialTorque, nrmse, predicted, torque_errors
 from .fits.parameters import FREE, Constraints, Parameter, parameters_of
+from .fits.registry import LARGEST, play_of, rate_of, without_play
+from .fits.search import MARGIN
 from .judging.coverage import NESTED, Coverage, coverage, shortfalls
 from .judging.judgement import Judgement, judge
 from .judging.recording import IF_WRONG, recording_faults
-from .judging.remarks import begins_elsewhere, diagnostics, remarks_on
 from .judging.sentences import NOT, UNKNOWN, Remark
 from .judging.uncertainty import Uncertainty, uncertainty
 from .methods import Magnetic, Method, Search
 
 ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
 MOST_NAMED = 3  # parameters in one remark
+NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
+DISORDER = 0.2  # largest plausible error, as a share of the peak
+AWAY, BESIDE = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,11 +204,11 @@ def judged_fit(
         remarks += _alike_forms(trials, measured)
     remarks += short
     if judged and not fitted_start:
-        remarks += begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
+        remarks += _begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
     if used < samples:
         thinned = {"used": used, "samples": samples, "every": -(-samples // FITTED)}
         remarks.insert(0, Remark("thinned", thinned))
-    remarks += remarks_on(corrections, best.model, curves.softening)
+    remarks += _on_corrections(corrections, best.model, curves.softening)
     return Fit(
         model=best.model,
         model_name=model_name,
@@ -223,6 +230,72 @@ def judged_fit(
         softening=curves.softening,
         constraints=constraints,
     )
+
+
+def _on_corrections(
+    corrections: Corrections, model: HysteresisModel, change: Softening | None
+) -> Iterator[Remark]:
+    """Yields remarks on requested corrections that were not found, or found in part.
+
+    `change` is the change over the cycles that was found.
+    """
+    if corrections.softening == "fit" and change is None:
+        yield Remark("softening none")
+    if change is not None and not change.is_complete:
+        yield Remark("softening incomplete", {"cycles": change.measured, "steady": change.steady})
+    if corrections.play == "fit" and play_of(model) == "none":
+        yield Remark("play none")
+    if isinstance(model, Viscoelastic) and rate_of(model) == "viscous":
+        if model.damping == 0:
+            yield Remark("rate none")
+        elif corrections.rate == "relaxing":
+            yield Remark("rate viscous")
+
+
+def diagnostics(
+    model: HysteresisModel,
+    nrmse: float,
+    curves: Sequence[Curve],
+    bounds: Sequence[tuple[float, float]] | None,
+) -> Iterator[Remark]:
+    """Yields remarks on a large error and on parameters at a limit.
+
+    The bounds are the search box of Ms, a, alpha, c, k in degrees; None for certified fits.
+    """
+    if nrmse > DISORDER:
+        yield Remark("disorder error", {"nrmse": nrmse})
+    span = max(float(np.ptp(curve.angle)) for curve in curves)
+    inner = without_rate(model)
+    if isinstance(inner, Backlash) and inner.gap >= (1 - NEAR) * LARGEST * span:
+        yield Remark("limit gap", {"gap": inner.gap})
+    inner = without_play(inner)
+    inner = inner.model if isinstance(inner, Asymmetric) else inner
+    if isinstance(inner, Clipped):
+        low, high = inner.angle_range
+        yield Remark("range", {"low": low, "high": high})
+        if inner.certificate().margin <= MARGIN + NEAR:
+            yield Remark("certificate")
+        inner = inner.model
+    if isinstance(inner, JilesAtherton) and inner.clamp == "none":  # other boxes in magnetics
+        yield from _limits(inner.in_unit("deg"), bounds)
+
+
+def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) -> Iterator[Remark]:
+    limits: dict[str, tuple[float, float]] = {"a": SHAPE, "c": (1 + EXCESS[0], 1 + EXCESS[1])}
+    if bounds:
+        limits = dict(zip(PARAMETERS, bounds, strict=True))
+    for name, pair in limits.items():
+        value = getattr(model, name)
+        for limit in pair:
+            if abs(value - limit) <= NEAR * max(1.0, abs(limit)):
+                yield Remark("limit", {"name": name, "value": value, "limit": limit})
+
+
+def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> Iterator[Remark]:
+    """Yields a remark if the curves begin at another torque than the model."""
+    first, most = curves.start_torque, max(AWAY * noise, BESIDE * curves.peak)
+    if not isinstance(start, str) and abs(first - start) > most:
+        yield Remark("start", {"curves": first, "model": start})
 
 
 def _at_bounds(parameters: Iterable[Parameter]) -> list[Remark]:

@@ -7,8 +7,8 @@ import pytest
 from activesuit.assets import curves_path
 from activesuit.benchmarks.honesty.faults import FAULTS, is_named, named
 from activesuit.identification import Curve, Remark, fit_curves, load_curves, save_curves
+from activesuit.identification.fit import diagnostics
 from activesuit.identification.judging.recording import recording_faults
-from activesuit.identification.judging.remarks import diagnostics
 from activesuit.published import LI_BOUNDS
 from helpers import along, assert_refused, sweep
 
