@@ -171,7 +171,6 @@ class SuitJoint(Strict):
         cls,
         fit: FittedModel,
         *,
-        note: str = "",
         samples: Sequence[HysteresisModel] = (),
         left_open: Sequence[str] = (),
     ) -> "SuitJoint":
@@ -179,7 +178,6 @@ class SuitJoint(Strict):
 
         Args:
             fit: Result of `activesuit.identification.identify`.
-            note: Sentence that is added to the source.
             samples: Other models that the curves allow too, as `uncertainty` draws them.
             left_open: Phrases about effects that the curves do not determine and the samples lack.
         """
@@ -188,7 +186,6 @@ class SuitJoint(Strict):
         curves, fitted = fit.curves, fit.curves.fitted()
         start = fit.initial_torque
         file = f" of {curves.source}" if curves.source else ""
-        source = f"{fit.method} fit{file}, curves {', '.join(fitted.names)}."
         change = fit.softening
         terms = {name: getattr(change, name, None) for name in Softening.model_fields}
         return cls.from_model(
@@ -199,7 +196,7 @@ class SuitJoint(Strict):
             start_angle=curves.start_angle,
             start_torque=fitted.start_torque if isinstance(start, str) else start,
             grade="identified",
-            source=f"{source} {note}" if note else source,
+            source=f"{fit.method} fit{file}, curves {', '.join(fitted.names)}.",
             data_sha256=curves.sha256,
             fit_nrmse=fit.nrmse,
             softening=None if change is None else Softening.model_validate(terms),

@@ -59,7 +59,6 @@ class Suit(Strict):
         name: str = "identified",
         description: str = "",
         base: "Suit | None" = None,
-        note: str = "",
         samples: Mapping[str, Sequence[HysteresisModel]] | None = None,
         left_open: Mapping[str, Sequence[str]] | None = None,
     ) -> "Suit":
@@ -70,7 +69,6 @@ class Suit(Strict):
             name: Name of the suit.
             description: Description of the suit; by default the methods and the fitted curves.
             base: Suit that gives the joints without a fit; by default these joints move freely.
-            note: Sentence that is added to the source of each fitted joint.
             samples: Other models that the curves allow too, by joint, for randomization.
             left_open: Phrases about effects that the curves do not determine and the samples lack,
                 by joint.
@@ -87,7 +85,7 @@ class Suit(Strict):
                 raise InputError(f"samples has {joint!r}, which has no fit: leave it out")
         identified = {
             joint: SuitJoint.from_fit(
-                fit, note=note, samples=samples.get(joint, ()), left_open=left_open.get(joint, ())
+                fit, samples=samples.get(joint, ()), left_open=left_open.get(joint, ())
             )
             for joint, fit in fits.items()
         }

@@ -168,10 +168,10 @@ def share_among_muscles(
     return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal])
 
 
-def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
+def muscle_activation(trace: Trace) -> Array:
     """Returns the activations of a motion, shape (samples, muscles), in `MyoArm.muscles`' order."""
     arm = MyoArm.load()
-    return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[convention]).activation
+    return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[STANDARD]).activation
 
 
 def _cost(name: str, arm: MyoArm) -> Cost:

@@ -121,12 +121,12 @@ class Ensemble:
         half = ndtri((1 + level) / 2) * np.sqrt(variance + self.excess**2)
         return mean - half, mean + half
 
-    def measured_band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
-        """Returns the ends of a band of measured torque, wider by the noise; see `band`."""
-        low, high = self.band(curve, level)
+    def measured_band(self, curve: Curve) -> tuple[Array, Array]:
+        """Returns the ends of a 90 % band of measured torque, wider by the noise; see `band`."""
+        low, high = self.band(curve)
         middle = (low + high) / 2
         noise = self.noise.deviation * self.noise.uneven.at(middle)
-        half = np.hypot((high - low) / 2, ndtri((1 + level) / 2) * noise)
+        half = np.hypot((high - low) / 2, ndtri((1 + LEVEL) / 2) * noise)
         return middle - half, middle + half
 
     def to_dict(self) -> dict[str, Any]:

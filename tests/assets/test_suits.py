@@ -283,14 +283,14 @@ def test_suits_from_fits(fit, tmp_path):
     base, model = load_suit("mock-suit"), fit.model
     fits = {"wrist_flexion": fit, "elbow_flexion": replace(fit, initial_torque=0.2)}
     samples = {"wrist_flexion": [model.scaled(torque=1.1)]}
-    suit = Suit.from_fits(fits, name="mine", base=base, samples=samples, note="By hand.")
+    suit = Suit.from_fits(fits, name="mine", base=base, samples=samples)
     suit.save(tmp_path / "mine.json")
     assert load_suit(tmp_path / "mine.json") == suit
     assert suit.description.startswith("Identified: wrist_flexion from elbow.csv by certified; elb")
     wrist, elbow = suit.joints["wrist_flexion"], suit.joints["elbow_flexion"]
     digest = hashlib.sha256(curves_path("elbow").read_bytes()).hexdigest()
     expected = {
-        "source": "certified fit of elbow.csv, curves 0.87, 1.22, 1.57. By hand.",
+        "source": "certified fit of elbow.csv, curves 0.87, 1.22, 1.57.",
         "grade": "identified",
         "data_sha256": digest,
         "fit_nrmse": fit.nrmse,
@@ -308,8 +308,8 @@ def test_suits_from_fits(fit, tmp_path):
 
 def test_a_suit_begins_where_curves_without_a_file_do(small_family):
     loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
-    entry = SuitJoint.from_fit(fit_curves(loaded, initial_torque="measured"), note="Mine.")
-    assert entry.source == "certified fit, curves 0.87, 1.22, 1.57. Mine."
+    entry = SuitJoint.from_fit(fit_curves(loaded, initial_torque="measured"))
+    assert entry.source == "certified fit, curves 0.87, 1.22, 1.57."
     assert entry.data_sha256 is None
     assert entry.start_torque == np.mean([c.torque[0] for c in loaded if c.role == "fit"])
 
