@@ -6,15 +6,12 @@ below XDG_STATE_HOME). A file without a note there counts as a file of somebody 
 """
 
 import hashlib
-import math
 import os
 from contextlib import suppress
 from pathlib import Path
 
 from ..errors import InputError
 from ..files import write_text
-
-MOST = 10_000  # greatest number of notes; a training makes about twenty
 
 
 def notes_folder() -> Path:
@@ -27,16 +24,12 @@ def notes_folder() -> Path:
 def note(path: Path, place: Path) -> bool:
     """Notes that this machine wrote a file; returns False where no note can be written.
 
-    A note outlives its file, because a copy of an own file is an own file too. The oldest notes are
-    removed where there are more than `MOST`.
+    A note outlives its file, because a copy of an own file is an own file too.
     """
     try:
         folder = notes_folder()
         folder.mkdir(parents=True, exist_ok=True)
         write_text(folder / _digest(path.read_bytes()), f"{place.resolve()}\n")
-        notes = list(folder.iterdir())
-        for old in sorted(notes, key=_written)[: max(0, len(notes) - MOST)]:
-            old.unlink(missing_ok=True)
     except (OSError, RuntimeError, InputError):  # no home, a full disk, a read-only folder
         return False
     return True
@@ -51,11 +44,3 @@ def is_own(content: bytes) -> bool:
 
 def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _written(kept: Path) -> float:
-    """Returns the time of a note [s]; infinity if another training has removed the note."""
-    try:
-        return kept.stat().st_mtime
-    except FileNotFoundError:
-        return math.inf

@@ -1,7 +1,6 @@
 """Training: learns, resumes, and keeps what was learned."""
 
 import json
-import os
 import re
 import shutil
 import sys
@@ -13,7 +12,6 @@ import pytest
 from activesuit.assets import load_suit
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import environment_of, make_policy
-from activesuit.scripts import own_files
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
 from helpers import fails, interrupt, panels_of, shorten_tasks
@@ -126,27 +124,6 @@ def test_a_run_that_another_machine_trained(run, tmp_path, monkeypatch, capsys):
     assert "add --trust if you trust whoever made it" in fails(capsys, *resume)
     main([*map(str, resume), "--trust"])
     train(here, "--resume", steps=steps + 2 * ROLLOUT)  # what was trusted is now ours
-
-
-def test_the_oldest_notes_are_removed(tmp_path, monkeypatch):
-    monkeypatch.setattr(own_files, "MOST", 2)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    for i in range(4):
-        (tmp_path / "file").write_text(str(i))
-        assert own_files.note(tmp_path / "file", tmp_path / "file")
-        (note,) = (one for one in own_files.notes_folder().iterdir() if one.stat().st_mtime > 100)
-        os.utime(note, (i, i))
-    assert [own_files.is_own(str(i).encode()) for i in range(4)] == [False, False, True, True]
-
-
-def test_two_trainings_remove_old_notes_at_once(tmp_path, monkeypatch):
-    """The other one removes a note between our list of them and a look at it."""
-    monkeypatch.setattr(own_files, "MOST", 0)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    (tmp_path / "file").write_text("")
-    listed = Path.iterdir
-    monkeypatch.setattr(Path, "iterdir", lambda folder: [*listed(folder), folder / "removed"])
-    assert own_files.note(tmp_path / "file", tmp_path / "file")
 
 
 @pytest.mark.slow
