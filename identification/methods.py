@@ -11,7 +11,7 @@ from ..hysteresis.jiles_atherton.model import JilesAtherton
 from .corrections.corrections import Corrections
 from .fits import magnetic
 from .fits.objective import InitialTorque, Loss, Normalize
-from .fits.registry import FITS, is_seeded
+from .fits.registry import FITS
 from .swarms.variants import OPTIMIZERS, options_of
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
@@ -140,11 +140,12 @@ def check_together(
         raise unknown_name("model", model, FITS)
     fitted: dict[str, Any] = {}  # corrections that only the certified fit finds
     if isinstance(method, Certified):
-        if method.trials > 1 and not is_seeded(model):
+        taken = inspect.signature(FITS[model]).parameters
+        if method.trials > 1 and "rng" not in taken:
             raise InputError(
                 f"trials is {method.trials}: the fit of {model!r} is made once; leave it out"
             )
-        _check_options(method, inspect.signature(FITS[model]).parameters)
+        _check_options(method, taken)
     elif model != DEFAULT_MODEL:
         raise InputError(
             f"method is {method.name!r}: model {model!r} has the method 'certified' only"

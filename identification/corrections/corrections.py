@@ -89,9 +89,6 @@ def corrected(
     if corrections.softening == "fit":
         change = found_softening(measured, count, fitted)
     if change is not None:
-        family, measured = (
-            without_change(family, change, count),
-            without_change(measured, change, count),
-        )
+        family, measured = (without_change(one, change, count) for one in (family, measured))
     judged = thinned(family.fitted(), JUDGED)
     return Corrected(family, measured, judged, offset, change, read)

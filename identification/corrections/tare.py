@@ -33,12 +33,11 @@ def found_tare(family: Curves, tare: Tare, error: Callable[[Curves], float]) -> 
     if tare != "fit":
         return float(tare)
     peak = family.peak
-
-    def misses(offset: float) -> float:
-        return _misses(tared(family, offset), error)
-
     found: Any = minimize_scalar(
-        misses, bounds=(-peak / 2, peak / 2), method="bounded", options={"xatol": FINE * peak}
+        lambda offset: _misses(tared(family, offset), error),
+        bounds=(-peak / 2, peak / 2),
+        method="bounded",
+        options={"xatol": FINE * peak},
     )
     best = float(found.x)
     if is_open(tared(family, best), error):

@@ -286,8 +286,3 @@ def fit_model(
             return constrained_fit(found, curves, constraints, rng)
         return found
     return replace(found, history=())  # pairs of a certified fit, which no user of trials expects
-
-
-def is_seeded(name: str) -> bool:
-    """Returns whether the fit of a model depends on random numbers."""
-    return "rng" in inspect.signature(FITS[name]).parameters

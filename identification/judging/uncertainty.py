@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 from ...arrays import Array
 from ...checks import at_least, check_seed
 from ...errors import InputError, shown
-from ...hysteresis.around import Clipped, Viscoelastic
+from ...hysteresis.around import Clipped, Viscoelastic, without_rate
 from ...hysteresis.jiles_atherton.kernels import is_exact
 from ...hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
@@ -257,7 +257,7 @@ def _binding(coordinates: Coordinates) -> Array | None:
 
 def kind_of(model: HysteresisModel) -> str:
     """Returns the name of a model without a dashpot, a gap or a range of angles around it."""
-    model = without_play(model.model if isinstance(model, Viscoelastic) else model)
+    model = without_play(without_rate(model))
     return model.model.name if isinstance(model, Clipped) else model.name
 
 

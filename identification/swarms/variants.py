@@ -221,11 +221,8 @@ class RankDistanceMPSO(PSO):
     @property
     def stopped(self) -> str:
         """Reason why the run has ended, in words; empty as long as the run continues."""
-        if self._patience is not None and self._unimproved >= self._patience:
-            waited = f"no improvement in {self._patience} iterations"
-        else:
-            waited = ""
-        return super().stopped or waited
+        waited = self._patience is not None and self._unimproved >= self._patience
+        return super().stopped or f"no improvement in {self._patience} iterations" * waited
 
     def _move(self) -> None:
         self._parent_position, self._parent_velocity = self._position, self._velocity
