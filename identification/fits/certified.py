@@ -127,7 +127,7 @@ def certified_fit(
     """
     at_least("budget", budget, SCREENED * (2 if constraints else 1) + 1)
     problem = CertifiedProblem(curves, initial_torque, constraints)
-    search = Search(problem, budget)
+    search = Search(problem, budget, exact=True)
     floor = noise_floor(curves) / problem.objective.peak
     search.run(problem.starts(search, rng), floor, AGREEING)
     return problem.result(search)
@@ -142,7 +142,7 @@ def refined(
 ) -> Fitted:
     """Fits as `certified_fit` does, from one start: a row of parameters of `CurveObjective`."""
     problem = CertifiedProblem(curves, initial_torque, constraints)
-    search = Search(problem, REFINED)
+    search = Search(problem, REFINED, exact=True)
     search.run([problem.point(row)])
     return problem.result(search)
 

@@ -55,11 +55,12 @@ class Search:
     A problem has a box of coordinates, `low` and `high`, and `evaluate`, which runs the model of a
     point on all curves. A problem with exact derivatives also has `derivatives`, from a point to
     those of its errors, (samples, coordinates), and `missing`, from points (n, coordinates) to
-    their missing margins, (n,); for other problems, differences are taken.
+    their missing margins, (n,).
 
     Args:
         problem: Problem to minimize.
         budget: Largest number of evaluations.
+        exact: Whether the problem has exact derivatives; otherwise differences are taken.
         stalled: Relative change of cost or point that ends one least-squares run.
 
     Attributes:
@@ -69,8 +70,10 @@ class Search:
         history: (evaluations, score) whenever the best one improved.
     """
 
-    def __init__(self, problem: Any, budget: int, *, stalled: float = STALLED) -> None:
-        self.problem, self.budget, self.stalled = problem, budget, stalled
+    def __init__(
+        self, problem: Any, budget: int, *, exact: bool = False, stalled: float = STALLED
+    ) -> None:
+        self.problem, self.budget, self.exact, self.stalled = problem, budget, exact, stalled
         self.best: Array | None = None
         self.score, self.evaluations = np.inf, 0
         self._ends: list[float] = []
@@ -133,8 +136,7 @@ class Search:
 
     def jacobian(self, point: Array) -> Array:
         """Returns the derivatives of `residual`, (samples + 1, coordinates)."""
-        is_exact = hasattr(self.problem, "derivatives")
-        return self._exact(point) if is_exact else self._differences(point)
+        return self._exact(point) if self.exact else self._differences(point)
 
     def _minimize(self, start: Array) -> float:
         """Runs least squares from a start; returns the score, penalty included, where it ended.
