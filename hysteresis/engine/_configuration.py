@@ -137,12 +137,17 @@ def connect(kind: type[HysteresisModel], instance: Instance) -> int:
     if instance.integer("jnt_type", joint) not in JOINT_TYPES:
         raise InputError("the joint is not a hinge or a slide joint; name a hinge or a slide")
     _require_alone(instance)
-    _, polynomial, limits, rate, play = parts(model_of(kind, instance.raw))
     word = native.pack([joint, *instance.sensors(SENSORS)], BITS) - 1  # the joint counts from 0
-    word |= polynomial.size << POLYNOMIAL_SHIFT | (limits.size > 0) << HELD_SHIFT
-    word |= (rate.size > 0) << VISCOELASTIC_SHIFT | (play.size > 0) << PLAY_SHIFT
     begun(kind, instance.raw, reference_of(instance, word))
-    return word
+    return word | _parts_in_word(kind, instance.raw)
+
+
+@lru_cache(maxsize=256)
+def _parts_in_word(kind: type[HysteresisModel], raw: bytes) -> int:
+    """Returns the bits of the parts around a model."""
+    _, polynomial, limits, rate, play = parts(model_of(kind, raw))
+    word = polynomial.size << POLYNOMIAL_SHIFT | (limits.size > 0) << HELD_SHIFT
+    return word | (rate.size > 0) << VISCOELASTIC_SHIFT | (play.size > 0) << PLAY_SHIFT
 
 
 def reference_of(instance: Instance, word: int) -> float:

@@ -250,7 +250,7 @@ class Instance:
             end = self.integer("plugin_attradr", last)
         return ctypes.string_at(self.model.plugin_attr + begin, end - begin)
 
-    @property
+    @cached_property
     def config(self) -> dict[str, str]:
         """The text of each config key, empty where the key was not given."""
         return config_of(self.plugin.keys, self.raw)
@@ -479,7 +479,7 @@ class Registered:
     def _reset(self, m: int, state: int, word: int, number: int) -> int:
         instance = Instance(m, number)
         size = instance.integer("plugin_statenum", number)
-        buffer = (ctypes.c_double * size).from_address(state)
+        buffer: Any = (ctypes.c_double * size).from_address(state)
         try:
             self._functions["reset"](instance, np.ndarray(size, np.float64, buffer), word)
         except InputError as error:
