@@ -18,7 +18,6 @@ from ._flow import flow
 
 ELASTIC, HYSTERETIC, REST, SLOPE, POWER = range(5)
 LOADING_SCALE, LOADING_SIGN, UNLOADING_SCALE, UNLOADING_SIGN = range(5, 9)
-PARAMETER_SIZE = 9
 ANGLE, TORQUE, LOSS, Z = range(4)
 MEMORY_SIZE = 4
 LARGEST_POWER = 1e6  # there w^n keeps 10 of its 16 digits

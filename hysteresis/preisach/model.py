@@ -84,7 +84,7 @@ class Preisach(HysteresisModel):
         if len(self.density) != segments:
             raise self._wrong("density", f"give {segments} rows, one for each segment of levels")
         if len(self.elastic) not in (0, segments):
-            raise self._wrong("elastic", f"give {segments} numbers, one for each segment of levels")
+            raise self._wrong("elastic", "give as many numbers as segments between levels")
         if not self.elastic:
             object.__setattr__(self, "elastic", (0.0,) * len(self.density))
 
