@@ -27,7 +27,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..checks import number, numbers, scales
@@ -91,6 +91,16 @@ class ConfigKey:
         """Returns a value of the key as MJCF has it: a number, a word or one list."""
         return [*chain(*value)] if self.kind == "rows" else value
 
+    def nested(self, values: list[float]) -> Any:
+        """Returns the value of a list as MJCF has it, with rows of 1, 2, 3 ... numbers."""
+        if self.kind != "rows":
+            return values
+        rows = []
+        while values:
+            values, row = values[len(rows) + 1 :], values[: len(rows) + 1]
+            rows.append(row)
+        return rows
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -131,18 +141,16 @@ class Energy(NamedTuple):
 class HysteresisModel(ABC):
     """Resistance [N·m] of a joint that depends on the order of its angles [rad], not on time.
 
-    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. The class names a module
-    of kernels, plain numba functions over a parameter vector p and a memory s = [angle, torque,
-    loss, ...], from which this class derives all methods but `certificate`:
+    A model is a frozen dataclass of its parameters, `config_keys` in MJCF. A class checks them in
+    `__post_init__`, after that of this class, and raises an `InputError`. Its `parameter_vector` p
+    has the values of all keys, end to end, unless the class overrides the property.
 
-        complaint(values, ends)                 (0, 0), or the number of a complaint about the
-                                                values of all keys, end to end, and the number of
-                                                the wrong key; Python runs it uncompiled
-        COMPLAINTS                              the complaints, as bytes; the first is empty
-        configure(values, ends, p)              fills p from the same values
-        size(counts)                            how many numbers s and p have together, from the
-                                                number of values of each key
-        memory_size(total)                      how many of these numbers the memory has
+    The class names a module of kernels, plain numba functions over p and a memory
+    s = [angle, torque, loss, ...], from which this class derives all methods but `certificate`:
+
+        memory_size(total)                      how many of the numbers in s and p together are in
+                                                s; a class whose s grows with p overrides the
+                                                property `memory_size`
         begin(p, s, angle, torque)              fills s; returns how far the start is inside the
                                                 states that the certificate covers: < 0 outside,
                                                 NaN if the model cannot have that torque there
@@ -153,8 +161,6 @@ class HysteresisModel(ABC):
         stiffness(p, s, angle, torque, delta)   slope there if the motion goes on with sign delta
         stored(p, s, angle, torque, loss)       the energy stored there
         dissipated(p, s, angle, torque, loss)   the energy dissipated from the start to there
-        certify(p, s, inside, low, high)        (is certified between two angles, how far inside
-                                                the start s is), given the result of `begin`
         is_sound(p)                             whether the kernels can rely on p, which a user can
                                                 overwrite in a saved state
 
@@ -175,19 +181,21 @@ class HysteresisModel(ABC):
         for key in self.config_keys:
             unit = self.units.get(key.name, "")
             object.__setattr__(self, key.name, key.checked(getattr(self, key.name), unit))
-        number_of, key = self.kernels.complaint.py_func(*self._values(HysteresisModel.config(self)))
-        if number_of:
-            name, words = self.config_keys[key].name, self.kernels.COMPLAINTS[number_of].decode()
-            unit = f" {self.units[name]}" if name in self.units else ""
-            raise InputError(f"{name} is {shown(getattr(self, name))}{unit}: {words}")
+
+    def _wrong(self, name: str, what: str) -> InputError:
+        """Returns the error that a parameter is wrong, with what to do about it."""
+        unit = f" {self.units[name]}" if name in self.units else ""
+        return InputError(f"{name} is {shown(getattr(self, name))}{unit}: {what}")
+
+    @classmethod
+    def from_config(cls, config: Mapping[str, Any]) -> Self:
+        """Returns the model of a value for each of `config_keys`, which may lack a certificate."""
+        return cls(**config)
 
     @cached_property
     def parameter_vector(self) -> Array:
         """The parameters as the kernels read them: radians and N·m, read-only."""
-        values, ends = self._values(self.config())
-        p = np.empty(self._size(ends) - self.memory_size)
-        self.kernels.configure(values, ends, p)
-        return read_only(p)
+        return read_only(np.concatenate([np.ravel(value) for value in self.config().values()]))
 
     @cached_property
     def _parameters(self) -> Array:
@@ -197,20 +205,7 @@ class HysteresisModel(ABC):
     @cached_property
     def memory_size(self) -> int:
         """How many numbers the memory holds."""
-        _, ends = self._values(self.config())
-        return int(self.kernels.memory_size.py_func(self._size(ends)))
-
-    def _values(self, config: Mapping[str, Any]) -> tuple[Array, NDArray[np.int64]]:
-        """Returns the values of all keys, end to end, and the end of each key's values."""
-        parts = [
-            np.atleast_1d(key.words.index(config[key.name]) if key.words else config[key.name])
-            for key in self.config_keys
-        ]
-        ends = np.cumsum([part.size for part in parts])
-        return np.concatenate(parts).astype(np.float64), ends.astype(np.int64)
-
-    def _size(self, ends: NDArray[np.int64]) -> int:
-        return int(self.kernels.size.py_func(np.diff(ends, prepend=0)))
+        return int(self.kernels.memory_size.py_func(0))
 
     @abstractmethod
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:

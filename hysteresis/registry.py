@@ -32,10 +32,7 @@ MODELS: dict[str, type[HysteresisModel]] = {
 }
 
 
-KERNELS = (
-    "COMPLAINTS complaint configure size memory_size begin move commit stiffness stored dissipated "
-    "certify is_sound"
-).split()
+KERNELS = ("memory_size begin move commit stiffness stored dissipated is_sound").split()
 """Names that a module of kernels must define; see `HysteresisModel`."""
 OLD_NAMES = {"held": Clipped.name}
 """Names of models in files of version 0.2, with the present names."""

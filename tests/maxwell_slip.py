@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from activesuit.errors import InputError
 from activesuit.hysteresis import Certificate, ConfigKey, HysteresisModel
 from numba import njit
 from scipy.optimize import least_squares
-
-FINE, NOT_POSITIVE = range(2)
-COMPLAINTS = (b"", b"a slider needs a number above 0")
 
 
 @njit(cache=True)
@@ -64,31 +62,8 @@ def dissipated(p, s, angle, torque, loss):
 
 
 @njit(cache=True)
-def size(counts):
-    return 4 + 3
-
-
-@njit(cache=True)
 def memory_size(total):
     return 4
-
-
-@njit(cache=True)
-def complaint(values, ends):
-    for i in (1, 2):
-        if not values[i] > 0:
-            return NOT_POSITIVE, i
-    return FINE, 0
-
-
-@njit(cache=True)
-def configure(values, ends, p):
-    p[:] = values
-
-
-@njit(cache=True)
-def certify(p, s, inside, low, high):
-    return True, inside
 
 
 @njit(cache=True)
@@ -108,6 +83,12 @@ class MaxwellSlip(HysteresisModel):
     elastic: float
     spring: float
     limit: float
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("spring", "limit"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} is {getattr(self, name)}: a slider needs more than 0")
 
     def certificate(self, angle_range=(-math.inf, math.inf)):
         return Certificate(

@@ -6,39 +6,23 @@ from collections import namedtuple
 from activesuit.hysteresis.engine import native
 
 KEYS = ("joint", "coulomb", "static", "stribeck_rate")  # units: N·m, N·m, rad/s
-JOINT, COULOMB = 0, 1
-# The callbacks use fields of mjModel (m_) and of mjData (d_), and a value of an enum.
-FIELDS = """m_jnt_dofadr m_plugin m_plugin_attr m_plugin_attradr m_plugin_stateadr
-    d_qvel d_qfrc_passive d_plugin_state d_plugin_data mjOBJ_JOINT"""
+# The compiled callback uses these fields of mjModel (m_) and of mjData (d_).
+FIELDS = "m_jnt_dofadr m_plugin_stateadr d_qvel d_qfrc_passive d_plugin_state d_plugin_data"
 Layout = namedtuple("Layout", FIELDS)
 
 
 def build():
-    """Compiles what MuJoCo calls; m and d are the addresses of mjModel and mjData."""
+    """Returns what MuJoCo calls; m and d are the addresses of mjModel and mjData."""
     at = native.layout(Layout)
 
-    @native.callback
-    def nstate(m, instance):  # size of an instance's part of mjData.plugin_state
+    def nstate(instance):  # size of an instance's part of mjData.plugin_state
         return 3
 
-    @native.callback
-    def init(m, d, instance):
-        joint = native.name2id(m, at.mjOBJ_JOINT, native.config(m, instance, JOINT, at))
-        if joint < 0:
-            native.complain(m, instance, b"joint", JOINT, JOINT, b"there is none; name one", at)
-            return -1
-        native.set_word(d, instance, joint, at)  # id of the joint, which no reset changes
-        return 0
+    def init(instance):
+        return instance.find("joint", "joint")  # id of the joint, which no reset changes
 
-    @native.callback
-    def copy(destination, m, source, instance):
-        native.set_word(destination, instance, native.word_of(source, instance, at), at)
-
-    @native.callback
-    def reset(m, plugin_state, plugin_data, instance):
-        p = native.doubles(plugin_state, 3)
-        for i in range(3):
-            native.parse_numbers(native.config(m, instance, COULOMB + i, at), p[i : i + 1])
+    def reset(instance, state, joint):
+        state[:] = [native.number(instance.config, key) for key in KEYS[1:]]
 
     @native.callback
     def compute(m, d, instance, capability):
@@ -50,7 +34,7 @@ def build():
         strength = coulomb + (static - coulomb) * math.exp(-((rate / scale) ** 2))
         force[dof] -= strength * math.tanh(10 * rate / scale)
 
-    return nstate, init, copy, reset, compute
+    return nstate, init, reset, compute
 
 
 native.register_plugin("demo.stribeck", KEYS, build, native.STAGE_VEL)

@@ -15,24 +15,17 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ...errors import InputError, shown
 from ...hysteresis.engine.native import (
-    FOUND,
-    UNKNOWN,
+    Instance,
     callback,
-    complain,
-    config,
-    count_words,
     doubles,
     int32_at,
-    name2id,
-    pack_sensors,
+    numbers,
+    pack,
     packed,
-    parse_numbers,
     pointer_at,
-    sensor_kind,
-    sensor_name,
     sensor_values,
-    set_word,
     state_of,
     word_of,
 )
@@ -164,84 +157,53 @@ def load(p, arm, Ra, Rb, rate, spin):
 
 
 PLUGIN_NAME = "activesuit.bushing"
-# Config keys in the order in which MuJoCo stores their values; the keys of numbers come last, in
-# the order of the parameter vector.
+# Config keys; those of numbers come last, in the order of the parameter vector.
 KEYS = (
     *("limb", "exo", "stiffness", "rotational_stiffness"),
     *("damping", "rotational_damping", "offset"),
 )
-FIRST_NUMBERS = 2
+NUMBERS = KEYS[2:]
 LARGEST_OFFSET = 0.1  # m
 
-# Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 means no number.
-BITS, LARGEST = 12, 2**12 - 1
+BITS = 12  # of five numbers in the word of an instance: two sites and three sensors
 WIDTH = np.int64(BITS)
-SENSORS = b"force torque energy"  # endings of the names of sensors, from `FORCE_SENSOR` on
+SENSORS = "force", "torque", "energy"  # endings of the names of sensors, from `FORCE_SENSOR` on
 LIMB, EXO = range(2)
 FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = map(np.int64, (2, 3, 4))
 
-# A fault is a reason and the number of a config key; LIMB stands for the whole instance.
-FINE, NO_SITE, SAME_BODY, NOT_STIFFNESS, NOT_OFFSET, SENSOR_NAME, SENSOR_TWICE, TOO_LARGE = range(8)
-SENTENCES = (
-    b"",
-    b"the model has no such site; name one, and attach bushings after a spec got its name prefix",
-    b"it is on the same body as the limb site; name one on another",
-    b"give three finite numbers of at least 0",
-    b"give three finite numbers from -0.1 to 0.1 m",
-    b"end the name of each of its sensors with the measured force, torque or energy",
-    b"two of its sensors measure the same; leave one out",
-    b"the model has more than 4094 sites or sensors; make it smaller",
-)
-
-
 Layout = namedtuple(
     "Layout",
-    "m_nsite m_nsensor m_body_parentid m_body_rootid m_body_dofnum m_body_dofadr "
-    "m_dof_parentid m_site_bodyid m_sensor_type m_sensor_plugin m_sensor_adr m_plugin "
-    "m_plugin_stateadr m_plugin_attr m_plugin_attradr m_names m_name_sensoradr d_qfrc_passive "
-    "d_site_xpos d_site_xmat d_subtree_com d_cdof d_cvel d_sensordata d_plugin_state "
-    "d_plugin_data mjOBJ_SITE mjSENS_PLUGIN mjPLUGIN_PASSIVE",
+    "m_body_parentid m_body_rootid m_body_dofnum m_body_dofadr m_dof_parentid m_site_bodyid "
+    "m_sensor_adr m_plugin_stateadr d_qfrc_passive d_site_xpos d_site_xmat d_subtree_com d_cdof "
+    "d_cvel d_sensordata d_plugin_state d_plugin_data mjPLUGIN_PASSIVE",
 )
 """The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
 
 
-@njit(cache=True)
-def connect(m, instance, at):
-    """Returns (fault, packed ids of the two sites and this instance's sensors)."""
-    if max(pointer_at(m + at.m_nsite), pointer_at(m + at.m_nsensor)) >= LARGEST:
-        return (TOO_LARGE, LIMB), 0
-    ids = 0
-    for end in (LIMB, EXO):
-        site = name2id(m, at.mjOBJ_SITE, config(m, instance, end, at))
-        if site < 0:
-            return (NO_SITE, end), 0
-        ids |= (site + 1) << (BITS * end)
-    bodies = pointer_at(m + at.m_site_bodyid)
-    if int32_at(bodies, packed(ids, LIMB, WIDTH)) == int32_at(bodies, packed(ids, EXO, WIDTH)):
-        return (SAME_BODY, EXO), 0
-    outcome, ids = pack_sensors(m, instance, ids, FORCE_SENSOR, WIDTH, SENSORS, at)
-    if outcome != FOUND:
-        return (SENSOR_NAME if outcome == UNKNOWN else SENSOR_TWICE, LIMB), 0
-    return (FINE, LIMB), ids
+def connect(instance: Instance) -> int:
+    """Returns the word of an instance: its two sites and its sensors."""
+    sites = [instance.find("site", end) for end in ("limb", "exo")]
+    if len({instance.integer("site_bodyid", site) for site in sites}) == 1:
+        raise InputError(
+            f"exo is {shown(instance.config['exo'])}: it is on the same body as the limb site; "
+            "name one on another"
+        )
+    configured(instance)
+    return pack([*sites, *instance.sensors(SENSORS)], BITS)
 
 
-@njit(cache=True)
-def configure(m, instance, address, at):
-    """Fills the parameters at `address` from the config; missing parameters are 0."""
-    for key in range(FIRST_NUMBERS, len(KEYS)):
-        first = 3 * (key - FIRST_NUMBERS)
-        values = doubles(address + 8 * first, 3)
-        values[:] = 0.0
-        text = config(m, instance, key, at)
-        count = parse_numbers(text, values)
-        if count_words(text) > 0 and count != 3:
-            return NOT_OFFSET if first == OFFSET else NOT_STIFFNESS, key
-        for i in range(3):
-            if first == OFFSET and not abs(values[i]) <= LARGEST_OFFSET:
-                return NOT_OFFSET, key
-            if first != OFFSET and not values[i] >= 0:
-                return NOT_STIFFNESS, key
-    return FINE, LIMB
+def configured(instance: Instance) -> list[float]:
+    """Returns the parameters of an instance; missing ones are 0."""
+    found, config = list[float](), instance.config
+    for key in NUMBERS:
+        values = numbers(config, key) or [0.0] * 3
+        offset = key == "offset"
+        low, high = (-LARGEST_OFFSET, LARGEST_OFFSET) if offset else (0.0, math.inf)
+        if len(values) != 3 or not low <= min(values) <= max(values) <= high:
+            allowed = "from -0.1 to 0.1 m" if offset else "of at least 0"
+            raise InputError(f"{key} is {shown(config[key])}: give three finite numbers {allowed}")
+        found += values
+    return found
 
 
 @njit(inline="always")
@@ -320,38 +282,22 @@ def write(m, d, sensor, values, at):
 
 
 def build(at: Layout) -> Any:
-    """Compiles the callbacks for one layout of MuJoCo's structs (cached on disk per layout)."""
+    """Returns the functions of the plugin; the compiled one is cached on disk per layout."""
 
-    @callback
-    def nstate(m, instance):
+    def nstate(instance):
         return PARAMETER_SIZE
 
-    @callback
-    def nsensordata(m, instance, sensor):
-        kind = FORCE_SENSOR + sensor_kind(sensor_name(m, sensor, at), SENSORS)
-        return 1 if kind == ENERGY_SENSOR else 3
+    def nsensordata(instance, sensor):
+        return 1 if instance.sensor_name(sensor).endswith("energy") else 3
 
-    @callback
-    def init(m, d, instance):
-        fault, ids = connect(m, instance, at)
-        if fault[0] == FINE:
-            set_word(d, instance, ids, at)
-            fault = configure(m, instance, state_of(m, d, instance, at), at)
-        if fault[0] == FINE:
-            return 0
-        complain(m, instance, b"limb site", LIMB, fault[1], SENTENCES[fault[0]], at)
-        return -1
+    def init(instance):
+        return connect(instance)
 
-    @callback
-    def copy(destination, m, source, instance):
-        set_word(destination, instance, word_of(source, instance, at), at)
-
-    @callback
-    def reset(m, plugin_state, plugin_data, instance):
-        configure(m, instance, plugin_state, at)
+    def reset(instance, state, word):
+        state[:] = configured(instance)
 
     @callback
     def compute(m, d, instance, capability):
         evaluate(m, d, instance, capability, at)
 
-    return nstate, nsensordata, init, copy, reset, compute
+    return nstate, nsensordata, init, reset, compute

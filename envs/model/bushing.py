@@ -29,7 +29,15 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine.native import STAGE_VEL, compile_plugin, layout, register_plugin
-from ._bushing_plugin import KEYS, LARGEST_OFFSET, PARAMETER_SIZE, PLUGIN_NAME, Layout, build
+from ._bushing_plugin import (
+    KEYS,
+    LARGEST_OFFSET,
+    NUMBERS,
+    PARAMETER_SIZE,
+    PLUGIN_NAME,
+    Layout,
+    build,
+)
 
 SENSORS = ("force", "torque", "energy")
 
@@ -102,7 +110,7 @@ def attach_bushing(
         spec.activate_plugin(PLUGIN_NAME)
     compile_plugin(PLUGIN_NAME)
     plugin = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
-    numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in KEYS[2:]}
+    numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in NUMBERS}
     plugin.config = {"limb": limb_site, "exo": exo_site, **numbers}
     for quantity in SENSORS:
         sensor = spec.add_sensor(name=f"{name}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)

@@ -18,17 +18,9 @@ from ._flow import flow
 
 ELASTIC, HYSTERETIC, REST, SLOPE, POWER = range(5)
 LOADING_SCALE, LOADING_SIGN, UNLOADING_SCALE, UNLOADING_SIGN = range(5, 9)
-PARAMETER_SIZE = 9
 ANGLE, TORQUE, LOSS, Z = range(4)
 MEMORY_SIZE = 4
 LARGEST_POWER = 1e6  # there w^n keeps 10 of its 16 digits
-FINE, NOT_ZERO, POSITIVE, FROM_1_TO_1E6 = range(4)
-COMPLAINTS = (
-    b"",
-    b"give a number other than 0",
-    b"give a number above 0",
-    b"give a number from 1 to 1e6",
-)
 ROUNDING = 1e-9  # share of z by which rounding may lift a saturated start above the bound
 
 
@@ -122,18 +114,6 @@ def dissipated(p, s, angle, torque, loss):
 
 
 @njit(cache=True, error_model="numpy")
-def certify(p, s, inside, low, high):
-    """Returns whether z stays finite and no motion at any angles gains energy, and `inside`.
-
-    The signs of both branches follow from hysteretic beta >= |hysteretic gamma|.
-    """
-    loading, unloading = p[LOADING_SIGN], p[UNLOADING_SIGN]
-    if p[HYSTERETIC] > 0:
-        return loading >= 0 and unloading <= 0, inside
-    return p[POWER] == 1 and loading <= 0 and unloading >= 0, inside
-
-
-@njit(cache=True, error_model="numpy")
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     if not (min(p[LOADING_SCALE], p[UNLOADING_SCALE], p[SLOPE]) > 0 and p[POWER] >= 1):
@@ -142,37 +122,6 @@ def is_sound(p):
 
 
 @njit(cache=True)
-def size(counts):
-    """Returns how many numbers memory and parameters have together."""
-    return MEMORY_SIZE + PARAMETER_SIZE
-
-
-@njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
-
-
-@njit(cache=True, error_model="numpy")
-def complaint(values, ends):
-    """Returns the complaint about elastic, hysteretic, A, beta, gamma, n and the rest angle."""
-    _, hysteretic, A, _, _, n, _ = values
-    if hysteretic == 0:
-        return NOT_ZERO, 1
-    if not A > 0:
-        return POSITIVE, 2
-    if not 1 <= n <= LARGEST_POWER:
-        return FROM_1_TO_1E6, 5
-    return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p with the values of all keys, and with the scale and sign of both branches."""
-    elastic, hysteretic, A, beta, gamma, n, rest_angle = values
-    p[ELASTIC], p[HYSTERETIC], p[REST], p[SLOPE], p[POWER] = elastic, hysteretic, rest_angle, A, n
-    for at, curvature in ((LOADING_SCALE, beta + gamma), (UNLOADING_SCALE, gamma - beta)):
-        ratio = A / abs(curvature) if curvature != 0 else math.inf
-        # A curvature too small for a finite ratio counts as 0.
-        p[at] = ratio ** (1 / n) if ratio < math.inf else 1.0
-        p[at + 1] = math.copysign(1.0, curvature) if ratio < math.inf else 0.0

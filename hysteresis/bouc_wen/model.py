@@ -1,14 +1,16 @@
 """The Bouc-Wen model of a joint's resistant torque."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import ModuleType
 from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import scales
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel
+from ..protocol import ConfigKey, HysteresisModel, read_only
 from . import kernels
 
 
@@ -59,6 +61,27 @@ class BoucWen(HysteresisModel):
     n: float
     A: float = 1.0
     rest_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.hysteretic == 0:
+            raise self._wrong("hysteretic", "give a number other than 0")
+        if self.A <= 0:
+            raise self._wrong("A", "give a number above 0")
+        if not 1 <= self.n <= kernels.LARGEST_POWER:
+            raise self._wrong("n", "give a number from 1 to 1e6")
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The parameters as the kernels read them, with the scale and sign of both branches."""
+        branches: list[float] = []
+        for curvature in (self.beta + self.gamma, self.gamma - self.beta):
+            ratio = self.A / abs(curvature) if curvature else math.inf
+            # A curvature too small for a finite ratio counts as 0.
+            sign = math.copysign(1.0, curvature) if ratio < math.inf else 0.0
+            branches += [ratio ** (1 / self.n) if sign else 1.0, sign]
+        own = self.elastic, self.hysteretic, self.rest_angle, self.A, self.n
+        return read_only([*own, *branches])
 
     def carry_over(self, memory: Array, parameters: Array) -> Array:
         """Returns the memory that continues another model's; z stays, within `z_bound`."""

@@ -21,8 +21,6 @@ STIFFNESS, UP, DOWN, SPRING = range(4)
 ANGLE, TORQUE, LOSS, Z = range(4)
 MEMORY_SIZE = 4
 MOST_COEFFICIENTS = 6
-FINE, FEW, POSITIVE = range(3)
-COMPLAINTS = (b"", b"give 1 to 6 coefficients", b"give a number above 0")
 ROUNDING = 1e-9  # share of z by which rounding may lift a saturated start above its limit
 SHORT = 0.1  # x below which the series of x - 2 tanh(x / 2) has all digits
 
@@ -101,44 +99,12 @@ def dissipated(p, s, angle, torque, loss):
 
 
 @njit(cache=True, error_model="numpy")
-def certify(p, s, inside, low, high):
-    """Returns `(True, inside)`, since a model with any parameters is certified."""
-    return True, inside
-
-
-@njit(cache=True, error_model="numpy")
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     return min(p[STIFFNESS], p[UP], p[DOWN]) > 0
 
 
 @njit(cache=True)
-def size(counts):
-    """Returns how many numbers memory and parameters have together."""
-    return MEMORY_SIZE + SPRING + counts[0]
-
-
-@njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
-
-
-@njit(cache=True, error_model="numpy")
-def complaint(values, ends):
-    """Returns the complaint about the spring, the stiffness, and one or two frictions."""
-    count = ends[0]
-    if not 1 <= count <= MOST_COEFFICIENTS:
-        return FEW, 0
-    for i in range(count, values.size):
-        if not values[i] > 0:
-            return POSITIVE, i - count + 1
-    return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from the values of all keys."""
-    count = ends[0]
-    p[STIFFNESS], p[UP], p[DOWN] = values[count], values[count + 1], values[-1]
-    p[SPRING:] = values[:count]

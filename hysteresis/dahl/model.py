@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import ModuleType
 from typing import ClassVar
 
@@ -10,11 +11,12 @@ from numpy.polynomial import polynomial as poly
 
 from ...arrays import Array
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..polynomial import extremes
-from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers
+from ..polynomial import LARGEST_DEGREE, extremes
+from ..protocol import POLYNOMIAL, ConfigKey, HysteresisModel, Numbers, read_only
 from . import kernels
 
 KEYS = (ConfigKey("spring", "list"), ConfigKey("stiffness"))
+MOST_COEFFICIENTS = LARGEST_DEGREE + 1
 UNITS = {"spring": POLYNOMIAL, "stiffness": "N·m/rad"}
 
 
@@ -26,6 +28,20 @@ class Semilinear(HysteresisModel):
 
     spring: Numbers
     stiffness: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.spring) > MOST_COEFFICIENTS:
+            raise self._wrong("spring", f"give 1 to {MOST_COEFFICIENTS} coefficients")
+        for name in self.least:
+            if getattr(self, name) <= 0:
+                raise self._wrong(name, "give a number above 0")
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The parameters as the kernels read them: stiffness, both frictions, the spring."""
+        spring, stiffness, *frictions = HysteresisModel.config(self).values()
+        return read_only([stiffness, frictions[0], frictions[-1], *spring])
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Returns the certificate, which holds for all parameters and every motion.

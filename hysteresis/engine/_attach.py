@@ -18,19 +18,8 @@ from ..protocol import HysteresisModel, State, follow, read_only
 from ..registry import MODELS
 from ..safety import require_certificate
 from ._callbacks import plugin_name, register
-from ._configuration import (
-    ANGLE_RANGE,
-    FAULT,
-    GAP,
-    MEMORY,
-    OFF,
-    POLYNOMIAL,
-    START_ANGLE,
-    START_PATH,
-    START_TORQUE,
-    VISCOELASTIC,
-)
-from .native import compile_plugin
+from ._configuration import FAULT, MEMORY, OFF, model_of, state_of
+from .native import Instance, compile_plugin
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 INSTANCE = re.compile(r"(.*)_suit(?:_\d+)?")
@@ -207,7 +196,7 @@ def replace_model(
             f"plugin_state has {plugin_state.size} numbers: the compiled model has more; give all "
             "of it"
         )
-    same = (i for i in instances if _compiled_layout(mj_model, i) == _layout(model))
+    same = (i for i in instances if _layout(_compiled(mj_model, i)) == _layout(model))
     instance = next(same, None)
     if instance is None:
         raise InputError(
@@ -216,7 +205,7 @@ def replace_model(
         )
     begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     state = plugin_state[begin : begin + size]
-    bare, polynomial, limits, rate, play = parts(model)
+    split = parts(model)
     if keep_memory:
         if any(given is not None for given in (start_angle, start_torque, start_path)):
             raise InputError(
@@ -224,26 +213,22 @@ def replace_model(
                 "start_path out, or keep_memory"
             )
         start, path = _kept(model, state, joint), []
-        if rate.size:
-            rate = viscoelastic.carried(rate, state[-play.size - rate.size :][: rate.size])
+        if split.viscoelastic.size:
+            old = state[: state.size - split.gap.size][-viscoelastic.SIZE :]
+            split = split._replace(viscoelastic=viscoelastic.carried(split.viscoelastic, old))
     else:
-        values = _compiled_config(mj_model, instance)
-        path = [float(angle) for angle in values[START_PATH].split()]
+        config = Instance(mj_model._address, instance).config
+        path = [float(angle) for angle in config["start_path"].split()]
         if start_angle is None:
-            start_angle = float(values[START_ANGLE] or mj_model.joint(joint).qpos0[0])
+            start_angle = float(config["start_angle"] or mj_model.joint(joint).qpos0[0])
         if start_torque is None:
-            start_torque = float(values[START_TORQUE] or 0.0)
+            start_torque = float(config["start_torque"] or 0.0)
         start = model.start(start_angle, start_torque)
     if not allow_uncertified:
         require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
-    if play.size:
-        play[backlash.END] = begun.memory[-1]
-    memory = begun.memory[: bare.memory_size]
     take_off(mj_model, plugin_state, joint)
-    state[:] = np.concatenate(
-        ([0.0], memory, bare.parameter_vector, polynomial, limits, rate, play)
-    )
+    state[:] = state_of(split, begun)
 
 
 def _kept(model: HysteresisModel, state: Array, joint: str) -> State:
@@ -278,21 +263,19 @@ def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
     return _layout(model) == _layout(other)
 
 
-def _layout(model: HysteresisModel) -> tuple[int, ...]:
-    """Returns the slot of a model's plugin and the sizes of the parts of its state."""
+def _layout(model: HysteresisModel) -> tuple[object, ...]:
+    """Returns the class of the innermost model, and the sizes of the parts of the state."""
     bare, *around = parts(model)
-    own = bare.memory_size + bare.parameter_vector.size
-    return register()[plugin_name(type(bare))], own, *(part.size for part in around)
+    sizes = (part.size for part in around)
+    return type(bare), bare.memory_size, bare.parameter_vector.size, *sizes
 
 
-def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
-    """Returns the layout of a compiled instance; the config has the parts around the model."""
-    values = _compiled_config(mj_model, instance)
-    polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
-    rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
-    around = polynomial, limits, rate, backlash.SIZE if values[GAP] else 0
-    own = int(mj_model.plugin_statenum[instance]) - MEMORY - sum(around)
-    return int(mj_model.plugin[instance]), own, *around
+def _compiled(mj_model: mujoco.MjModel, number: int) -> HysteresisModel:
+    """Returns the model of a compiled instance."""
+    kinds = {slot: name for name, slot in register().items()}
+    name = kinds[int(mj_model.plugin[number])]
+    kind = next(one for one in MODELS.values() if plugin_name(one) == name)
+    return model_of(kind, Instance(mj_model._address, number).raw)
 
 
 def _instances_at(mj_model: mujoco.MjModel, joint: str) -> list[int]:
@@ -305,12 +288,6 @@ def _instances_at(mj_model: mujoco.MjModel, joint: str) -> list[int]:
         attached = (match[1] for match in joints if match)
         raise unknown_name("joint with a hysteresis model", joint, attached)
     return found
-
-
-def _compiled_config(mj_model: mujoco.MjModel, instance: int) -> list[str]:
-    """Returns the values of an instance's config keys, empty where a key was not given."""
-    text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
-    return [value.decode() for value in text.split(b"\0")]
 
 
 def _require_model(model: object) -> None:

@@ -1,24 +1,26 @@
-"""The plugins of hysteresis models: their C callbacks, which MuJoCo calls, compiled by numba.
+"""The plugins of hysteresis models: their C callbacks, compiled by numba where they run in steps.
 
 An instance keeps parameters and memory in `mjData.plugin_state`, so they are part of the physics
 state: saved, restored, copied and batched by MuJoCo itself. `compute` only reads the memory (it
 may run any number of times per step, at trial positions); `advance` commits it once per step.
 
 Each model gets callbacks of its own, compiled with its module of kernels. The functions that run in
-every step are inlined, here and in `_configuration`: passing the layout and the arrays, dozens of
-numbers, from one compiled function to the next took half as long as computing the torque.
+every step are inlined: passing the layout and the arrays, dozens of numbers, from one compiled
+function to the next took half as long as computing the torque.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
+from collections import namedtuple
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import numpy as np
 from numba import njit
 
+from ...kernels import inner
 from .. import polynomial
 from ..around import Wrapper
 from ..around import backlash_kernels as backlash
@@ -29,30 +31,87 @@ from ..protocol import HysteresisModel, stamp_of
 from ..registry import MODELS
 from . import native
 from ._configuration import (
-    A_LIST,
-    A_NUMBER,
-    A_WORD,
-    COMMON_KEYS,
-    ENERGY_SENSOR,
-    FINE,
-    JOINT,
+    BITS,
+    HELD_SHIFT,
+    LARGEST,
+    MEMORY,
     OFF,
-    OPTIONAL,
-    POLE,
-    STIFFNESS_SENSOR,
-    TORQUE_SENSOR,
-    Layout,
-    complain_of,
-    configure,
+    PLAY_SHIFT,
+    POLYNOMIAL_SHIFT,
+    VISCOELASTIC_SHIFT,
+    begun,
     connect,
-    has_sensors,
-    joint_of,
-    parts,
-    required_size,
-    sensor_of,
+    key_names,
+    model_of,
+    reference_of,
+    size_of,
 )
 
-KINDS = {"number": A_NUMBER, "list": A_LIST, "rows": A_LIST, "word": A_WORD}
+# Numbers of NumPy: numba would compile functions anew for each number of Python.
+WIDTH = np.int64(BITS)
+TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = map(np.int64, (1, 2, 3))
+POLE = (
+    "activesuit: the torque of joint '%s' met a pole (or the parameters in its state are out of "
+    "range); the torque stays at its last valid value, and the fault flag is set"
+)
+Layout = namedtuple(
+    "Layout",
+    "m_opt__timestep m_jnt_qposadr m_jnt_dofadr m_sensor_adr m_plugin_stateadr m_plugin_statenum "
+    "m_names m_name_jntadr d_qpos d_qvel d_qfrc_passive d_sensordata d_plugin_state d_plugin_data "
+    "mjPLUGIN_PASSIVE stamp",
+    defaults=(0,),
+)
+"""Byte offsets of fields in mjModel (m_) and mjData (d_), and a value of an enum.
+
+`stamp` distinguishes versions of a model's kernels and of the engine, so that numba's cache does
+not give back machine code of an older version.
+"""
+
+
+@njit(inline="always")
+def parts(kernels, ids, address, size):
+    """Returns views of a state's flag, memory, parameters, polynomial, range, rate and play."""
+    polynomial, limits = (ids >> POLYNOMIAL_SHIFT) & 7, 2 * ((ids >> HELD_SHIFT) & 1)
+    rate = viscoelastic.SIZE * ((ids >> VISCOELASTIC_SHIFT) & 1)
+    play = backlash.SIZE * (ids >> PLAY_SHIFT)
+    own = size - MEMORY - polynomial - limits - rate - play
+    memory = kernels.memory_size(own)
+    start = address + 8 * MEMORY
+    end = start + 8 * own
+    return (
+        native.doubles(address, 1),
+        native.doubles(start, memory),
+        native.doubles(start + 8 * memory, own - memory),
+        native.doubles(end, polynomial),
+        native.doubles(end + 8 * polynomial, limits),
+        native.doubles(end + 8 * (polynomial + limits), rate),
+        native.doubles(end + 8 * (polynomial + limits + rate), play),
+    )
+
+
+@inner(cache=False)
+def joint_of(ids):
+    """Returns the id of the joint."""
+    return ids & LARGEST
+
+
+@inner(cache=False)
+def has_sensors(ids):
+    """Returns whether there is any sensor."""
+    return (ids >> BITS) & (2 ** (3 * BITS) - 1) != 0
+
+
+@inner(cache=False)
+def sensor_of(ids, kind):
+    """Returns the id of the sensor of a kind, or -1."""
+    return native.packed(ids, kind, WIDTH)
+
+
+@inner(cache=False)
+def warn_of_pole(m, joint, at):
+    """Issues a MuJoCo warning that the torque on a joint has met a pole."""
+    name = native.int32_at(native.pointer_at(m + at.m_name_jntadr), joint)
+    native.warn(POLE, native.pointer_at(m + at.m_names) + name)
 
 
 @njit(inline="always")
@@ -143,41 +202,19 @@ def evaluate(kernels, m, d, instance, capability, at):
         native.sensor_values(m, d, sensor_of(ids, ENERGY_SENSOR), 1, at)[0] = lost
 
 
-def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...], at: Layout) -> Any:
-    """Compiles the callbacks of one model (cached on disk per model and native.layout).
+def build(model: type[HysteresisModel], at: Layout) -> Any:
+    """Returns the functions of a model's plugin (compiled ones are cached per model and layout)."""
+    kernels = model.kernels
 
-    `kinds` has the kinds of the model's own config keys, as `_configuration` numbers them, and
-    `words` the allowed words of each key, with blanks between words; empty for numbers.
-    """
+    def nstate(instance):
+        return size_of(model_of(model, instance.raw))
 
-    @native.callback
-    def nstate(m, instance):
-        return required_size(kernels, kinds, m, instance, at)
+    def init(instance):
+        return connect(model, instance)
 
-    @native.callback
-    def nsensordata(m, instance, sensor):
-        return 1
-
-    @native.callback
-    def init(m, d, instance):
-        fault, ids = connect(m, instance, at)
-        if fault[0] == FINE:
-            native.set_word(d, instance, ids, at)
-            address, size = native.state_of(m, d, instance, at), native.state_size(m, instance, at)
-            fault = configure(kernels, kinds, words, m, instance, ids, address, size, at)
-        if fault[0] == FINE:
-            return 0
-        complain_of(kernels, words, m, instance, fault, at)
-        return -1
-
-    @native.callback
-    def copy(destination, m, source, instance):
-        native.set_word(destination, instance, native.word_of(source, instance, at), at)
-
-    @native.callback
-    def reset(m, plugin_state, plugin_data, instance):
-        size = native.state_size(m, instance, at)
-        configure(kernels, kinds, words, m, instance, plugin_data, plugin_state, size, at)
+    def reset(instance, state, word):
+        state[0] = 1.0  # unless the config is sound
+        state[:] = begun(model, instance.raw, reference_of(instance, word))
 
     @native.callback
     def compute(m, d, instance, capability):
@@ -197,7 +234,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
                 sound = False
         if fault[0] == 0 and not sound:
             fault[0] = 1.0
-            complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+            warn_of_pole(m, joint_of(ids), at)
         position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
         angle = within(limits, position)
         if fault[0] != 0 or not math.isfinite(angle):
@@ -206,12 +243,12 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
             # At a pole the torque stays constant, and the flag is set until a reset.
             if not kernels.is_sound(p) or math.isnan(kernels.commit(p, memory, angle)):
                 fault[0] = 1.0
-                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+                warn_of_pole(m, joint_of(ids), at)
                 return
         if play.size:
             play[backlash.END] = position
 
-    return nstate, nsensordata, init, copy, reset, compute, advance
+    return nstate, init, reset, compute, advance
 
 
 def plugin_name(model: type[HysteresisModel]) -> str:
@@ -227,18 +264,13 @@ def register() -> dict[str, int]:
 
 @cache
 def _register(model: type[HysteresisModel]) -> int:
-    own, at = model.config_keys, native.layout(Layout)
+    at = native.layout(Layout)
     shared = [Path(str(one.__file__)) for one in (backlash, viscoelastic, polynomial)]
     files = [*shared, *Path(__file__).parent.rglob("*.py")]
     return native.register_plugin(
         plugin_name(model),
-        [*COMMON_KEYS, *(key.name for key in own)],
-        lambda: build(
-            model.kernels,
-            tuple(KINDS[key.kind] + OPTIONAL * key.optional for key in own),
-            tuple(" ".join(key.words).encode() for key in own),
-            at._replace(stamp=stamp_of(model.kernels, files)),
-        ),
+        key_names(model),
+        lambda: build(model, at._replace(stamp=stamp_of(model.kernels, files))),
         native.STAGE_POS,
         sensors=True,
     )

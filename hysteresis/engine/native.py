@@ -1,22 +1,31 @@
-"""A toolkit for MuJoCo engine plugins that are written in Python and compiled by numba.
+"""A toolkit for MuJoCo engine plugins in Python, whose steps are compiled by numba.
 
-A plugin is a set of callbacks that MuJoCo calls from C, without Python's lock and from any thread:
-it adds passive forces and measures them with sensors. No C compiler is needed. docs/robot.md builds
-one, a joint with Stribeck friction, in forty lines. The steps are
+A plugin adds passive forces to a simulation, and measures them with sensors. MuJoCo calls its
+functions from C; no C compiler is needed. docs/robot.md builds one, a joint with Stribeck friction,
+in forty lines. The steps are
 
-1. a named tuple class of the fields that the callbacks touch, filled by `layout`;
-2. a function that defines the callbacks with the decorator `callback`; they get addresses as
-   integers, and reach numbers with `pointer_at`, `int32_at` and `doubles`, the config with `config`
-   and `parse_numbers`, their own state with `state_of`;
+1. a named tuple class of the fields that the compiled functions touch, filled by `layout`;
+2. a function `build` that defines the functions of the plugin and returns them;
 3. `register_plugin`, once per process, before a model that uses the plugin is compiled or loaded.
 
-The functions that a callback calls must be compiled too (`numba.njit`), and none may raise.
-`complain` says in a sentence what is wrong, and `init` then returns -1: MuJoCo refuses the model.
+What runs once is plain Python, with the `Instance` in an mjModel as its argument:
 
-Every function below takes the addresses of mjModel (`m`) or mjData (`d`), the number of the
-instance, and `at`, the `layout` of the plugin with the fields that the function names; `text` is
-the address of a C string. The pointer-sized word of an instance holds several numbers of `bits`
-bits each, which count from 1; 0 is none.
+    nstate(instance)                returns how many numbers of plugin_state the instance needs
+    nsensordata(instance, sensor)   returns how many numbers a sensor measures (1 without it)
+    init(instance)                  returns an integer, as ids of joints and sensors, that no reset
+                                    and no saved state changes: the word of the instance
+    reset(instance, state, word)    fills the array `state`, the numbers of the instance
+
+An `InputError` of `init` becomes a warning of MuJoCo, which then refuses the model. What runs in
+every step has the decorator `callback`. These functions are compiled, and run without Python's lock
+and in any thread; the functions that they call must be compiled too, and none may raise:
+
+    compute(m, d, instance, capability)   adds forces or writes sensors, and changes no state
+    advance(m, d, instance)               moves the state to the end of a step
+
+They take the addresses of mjModel (`m`) and mjData (`d`), the number of the instance, and `at`, the
+`layout` of the plugin with the fields that the functions below name. A word holds several numbers
+of `bits` bits each, which count from 1; 0 is none.
 
 C functions are bound by name, not by address, so that compiled callbacks can be cached on disk. A
 function with `cache=False` is compiled into the plugin's own code: a cached function would contain
@@ -27,12 +36,13 @@ the layout classes of all plugins, and would be unreadable without the module of
 
 import _thread
 import ctypes
-import math
+import re
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterable, Sequence
-from functools import cache
+from collections import namedtuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -44,8 +54,9 @@ from numba import carray, cfunc, njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from ...errors import InputError, shown
 from ...kernels import inner
-from ._layout import ATTRIBUTES, PASSIVE, SENSOR, Plugin, layout  # noqa: F401  (for plugins)
+from ._layout import PASSIVE, SENSOR, Plugin, layout, struct
 
 LIBRARY_NAMES = {"win32": "mujoco.dll", "darwin": "libmujoco*.dylib"}
 
@@ -66,23 +77,14 @@ def mujoco_library() -> ctypes.CDLL:
     )
 
 
-_c_library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-for _symbol, _function in {
-    "name2id": mujoco_library().mj_name2id,
-    "plugin_at": mujoco_library().mjp_getPluginAtSlot,
-    "warning": mujoco_library().mju_warning,
-    "strtod": _c_library.strtod,
-    "localeconv": _c_library.localeconv,
-}.items():
-    _address = ctypes.cast(_function, ctypes.c_void_p).value  # type: ignore[arg-type]
-    llvmlite.binding.add_symbol(f"activesuit_{_symbol}", _address)
-
-name2id = types.ExternalFunction(
-    "activesuit_name2id", types.int32(types.intp, types.int32, types.intp)
+_name2id = mujoco_library().mj_name2id
+_name2id.argtypes = [ctypes.c_ssize_t, ctypes.c_int, ctypes.c_char_p]
+_warning = mujoco_library().mju_warning
+_warning.argtypes = [ctypes.c_char_p]
+llvmlite.binding.add_symbol(
+    "activesuit_warning",
+    ctypes.cast(_warning, ctypes.c_void_p).value,  # type: ignore[arg-type]
 )
-plugin_at = types.ExternalFunction("activesuit_plugin_at", types.intp(types.int32))
-strtod = types.ExternalFunction("activesuit_strtod", types.float64(types.intp, types.intp))
-localeconv = types.ExternalFunction("activesuit_localeconv", types.intp())
 
 
 @intrinsic
@@ -111,247 +113,21 @@ def pointer_at(address):
     return carray(_pointer(address), (1,), dtype=np.intp)[0]
 
 
-@inner(cache=False)
-def character_at(address):
-    """Returns the byte at `address`."""
-    return carray(_pointer(address), (1,), dtype=np.uint8)[0]
-
-
-@inner(cache=False)
-def store_pointer(address, value):
-    """Stores a pointer-sized integer at `address`."""
-    carray(_pointer(address), (1,), dtype=np.intp)[0] = value
-
-
-@intrinsic
-def warn(typing_context, text):
-    """Issues the C string at the address `text` as a MuJoCo warning."""
+@intrinsic(prefer_literal=True)
+def warn(typing_context, sentence, text):
+    """Issues a MuJoCo warning: a constant sentence, whose %s is the C string at `text`."""
 
     def codegen(context, builder, signature, arguments):
-        literal = context.insert_const_string(builder.module, "%s")
+        literal = context.insert_const_string(builder.module, sentence.literal_value)
         function = cgutils.get_or_insert_function(
             builder.module,
             ir.FunctionType(ir.VoidType(), [cgutils.voidptr_t], var_arg=True),
             "activesuit_warning",
         )
-        builder.call(function, [literal, builder.inttoptr(arguments[0], cgutils.voidptr_t)])
+        builder.call(function, [literal, builder.inttoptr(arguments[1], cgutils.voidptr_t)])
         return context.get_dummy_value()
 
-    return types.none(types.intp), codegen
-
-
-BLANKS = (ord(" "), ord("\t"), ord("\n"), ord("\r"))
-SENTENCE_LIMIT = 600
-LARGEST, SMALLEST = 1e100, 1e-100  # sizes of numbers, whose squares and products stay finite
-
-
-@inner
-def length(text):
-    """Returns the length of the C string at `text`."""
-    count = 0
-    while character_at(text + count) != 0:
-        count += 1
-    return count
-
-
-@inner
-def starts_with(text, beginning):
-    """Returns whether the C string at `text` starts with the bytes `beginning`."""
-    for i in range(len(beginning)):
-        if character_at(text + i) != beginning[i]:  # a shorter text ends in 0 and differs there
-            return False
-    return True
-
-
-@inner
-def behind_blanks(text):
-    """Returns the address of the first character at or after `text` that is not a blank."""
-    while character_at(text) in BLANKS:
-        text += 1
-    return text
-
-
-@inner
-def behind_digits(text):
-    """Returns the address of the first character at or after `text` that is not a digit."""
-    while ord("0") <= character_at(text) <= ord("9"):
-        text += 1
-    return text
-
-
-@inner
-def behind_number(text):
-    """Returns the address behind the decimal number at `text`; `text` itself if there is none."""
-    start = text + (character_at(text) in (ord("-"), ord("+")))
-    end = behind_digits(start)
-    digits = end - start
-    if character_at(end) == ord("."):
-        fraction = behind_digits(end + 1)
-        digits += fraction - end - 1
-        end = fraction
-    if digits == 0:
-        return text
-    if character_at(end) in (ord("e"), ord("E")):
-        power = end + 1 + (character_at(end + 1) in (ord("-"), ord("+")))
-        behind = behind_digits(power)
-        end = behind if behind > power else text
-    return end
-
-
-@inner
-def to_number(text, end):
-    """Returns the decimal number between two addresses, rounded as Python rounds it.
-
-    C's strtod rounds so, but expects the decimal point of the process's locale.
-    """
-    point = pointer_at(localeconv())
-    copy = np.zeros(end - text + length(point) + 1, np.uint8)
-    n = 0
-    for i in range(text, end):
-        if character_at(i) == ord("."):
-            for j in range(length(point)):
-                copy[n] = character_at(point + j)
-                n += 1
-        else:
-            copy[n] = character_at(i)
-            n += 1
-    value = strtod(copy.ctypes.data, 0)
-    return value if copy[n] == 0 else math.nan  # this use keeps the copy alive during `strtod`
-
-
-@inner
-def parse_numbers(text, values):
-    """Fills `values` with the blank-separated numbers of the C string at `text`.
-
-    Returns how many numbers there are, even if they do not all fit; -1 if one is not finite,
-    larger than 1e100, or smaller than 1e-100 and not 0.
-    """
-    count = 0
-    text = behind_blanks(text)
-    while character_at(text) != 0:
-        end = behind_number(text)
-        if end == text or not (character_at(end) == 0 or character_at(end) in BLANKS):
-            return -1
-        value = to_number(text, end)
-        size = abs(value)
-        if not size <= LARGEST or 0 < size < SMALLEST:
-            return -1
-        if count < values.size:
-            values[count] = value
-        count += 1
-        text = behind_blanks(end)
-    return count
-
-
-@inner
-def count_words(text):
-    """Returns how many blank-separated words the C string at `text` has."""
-    count = 0
-    text = behind_blanks(text)
-    while character_at(text) != 0:
-        while character_at(text) != 0 and character_at(text) not in BLANKS:
-            text += 1
-        count += 1
-        text = behind_blanks(text)
-    return count
-
-
-@inner
-def add_text(sentence, n, text):
-    """Appends the C string at `text` to a sentence of n characters; returns the new n."""
-    i = 0
-    while character_at(text + i) != 0 and n < SENTENCE_LIMIT - 1:
-        sentence[n] = character_at(text + i)
-        n, i = n + 1, i + 1
-    return n
-
-
-@inner
-def add(sentence, n, words):
-    """Appends the bytes `words` to a sentence of n characters; returns the new n."""
-    for i in range(len(words)):
-        if n < SENTENCE_LIMIT - 1:
-            sentence[n] = words[i]
-            n += 1
-    return n
-
-
-@inner
-def issue(sentence):
-    """Issues a sentence as a MuJoCo warning."""
-    warn(sentence.ctypes.data)
-    return sentence[0]  # this use keeps the sentence alive during `warn`
-
-
-@inner
-def choice_of(text, words):
-    """Returns the index of the C string `text` among `words`, as b"rad deg"; -1 for none."""
-    number, start = 0, 0
-    for end in range(len(words) + 1):
-        if end == len(words) or words[end] == ord(" "):
-            if is_word(text, words, start, end):
-                return number
-            number, start = number + 1, end + 1
-    return -1
-
-
-@inner
-def is_word(text, words, start, end):
-    """Returns whether the C string at `text` is the bytes from `start` to `end`."""
-    for i in range(start, end):
-        if character_at(text + i - start) != words[i]:  # a shorter text ends in 0 and differs there
-            return False
-    return character_at(text + end - start) == 0
-
-
-@inner
-def add_choices(sentence, n, words):
-    """Appends words, which blanks separate in `words`, as "a, b or c"; returns the new n."""
-    last = len(words) - 1
-    while last >= 0 and words[last] != ord(" "):
-        last -= 1
-    for i in range(len(words)):
-        if words[i] != ord(" "):
-            if n < SENTENCE_LIMIT - 1:
-                sentence[n] = words[i]
-                n += 1
-        elif i == last:
-            n = add(sentence, n, b" or ")
-        else:
-            n = add(sentence, n, b", ")
-    return n
-
-
-FOUND, UNKNOWN, TWICE = range(3)
-
-
-@inner(cache=False)
-def config(m, instance, key, at):
-    """Returns the address of the value of config key number `key`, a C string ("" if not given).
-
-    It reads m_plugin_attr and m_plugin_attradr.
-    """
-    text = pointer_at(m + at.m_plugin_attr) + int32_at(
-        pointer_at(m + at.m_plugin_attradr), instance
-    )
-    for _ in range(key):
-        while character_at(text) != 0:
-            text += 1
-        text += 1
-    return text
-
-
-@inner(cache=False)
-def plugin_name(m, instance, at):
-    """Returns the address of the name of an instance's plugin; it reads m_plugin."""
-    return pointer_at(plugin_at(int32_at(pointer_at(m + at.m_plugin), instance)))
-
-
-@inner(cache=False)
-def key_name(m, instance, key, at):
-    """Returns the address of the name of a config key; it reads m_plugin."""
-    plugin = plugin_at(int32_at(pointer_at(m + at.m_plugin), instance))
-    return pointer_at(pointer_at(plugin + ATTRIBUTES) + 8 * key)
+    return types.none(sentence, types.intp), codegen
 
 
 @njit(inline="always")
@@ -372,30 +148,8 @@ def state_size(m, instance, at):
 
 @inner(cache=False)
 def word_of(d, instance, at):
-    """Returns the integer that an instance keeps in `plugin_data`; it reads d_plugin_data."""
+    """Returns the word of an instance, which `init` has returned; it reads d_plugin_data."""
     return pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
-
-
-@inner(cache=False)
-def set_word(d, instance, word, at):
-    """Stores the integer of `word_of`, which no reset and no saved state changes."""
-    store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, word)
-
-
-@inner(cache=False)
-def is_sensor_of(m, sensor, instance, at):
-    """Returns whether a sensor belongs to an instance.
-
-    It reads m_sensor_plugin, m_sensor_type and mjSENS_PLUGIN.
-    """
-    ours = int32_at(pointer_at(m + at.m_sensor_plugin), sensor) == instance
-    return ours and int32_at(pointer_at(m + at.m_sensor_type), sensor) == at.mjSENS_PLUGIN
-
-
-@inner(cache=False)
-def sensor_name(m, sensor, at):
-    """Returns the address of a sensor's name; it reads m_names and m_name_sensoradr."""
-    return pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), sensor)
 
 
 @njit(inline="always")
@@ -405,71 +159,155 @@ def sensor_values(m, d, sensor, count, at):
     return doubles(pointer_at(d + at.d_sensordata) + 8 * address, count)
 
 
-@inner(cache=False)
-def begin_complaint(m, instance, noun, subject, key, at):
-    """Begins a sentence about a config: "PLUGIN of NOUN 'SUBJECT': KEY is 'VALUE': ".
+@inner
+def packed(word, place, bits):
+    """Returns the number at a place of a word, from 0; -1 for none."""
+    return ((word >> (bits * place)) & (2**bits - 1)) - 1
 
-    `noun` is the thing that the instance acts on, as b"joint", and `subject` the number of the
-    config key with the name of this thing. `key` is the number of the wrong key; the part about the
-    key is left out where `key` is `subject`. Returns the sentence, to which `add` and `add_text`
-    append, and the length of the sentence.
+
+def pack(numbers: Iterable[int], bits: int) -> int:
+    """Returns a word of numbers from 0, or -1 for none, which `packed` reads."""
+    numbers = [*numbers]
+    if max(numbers) >= 2**bits - 1:
+        raise InputError(
+            f"the model has more than {2**bits - 1} objects of a kind; make the model smaller"
+        )
+    return sum((number + 1) << (bits * place) for place, number in enumerate(numbers))
+
+
+WORDS = re.compile(r"[^ \t\n\r]+")
+NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+LARGEST, SMALLEST = 1e100, 1e-100  # sizes of numbers, whose squares and products stay finite
+SENTENCE_LIMIT = 500
+
+
+def numbers(config: Mapping[str, str], key: str) -> list[float]:
+    """Returns the numbers of a config key with blanks between them; none for an empty text."""
+    found = [_number(word) for word in WORDS.findall(config[key])]
+    if not all(number == 0 or SMALLEST <= abs(number) <= LARGEST for number in found):
+        raise InputError(
+            f"{key} is {shown(config[key])}: give numbers, 0 or 1e-100 to 1e100 in size, with "
+            "blanks between them"
+        )
+    return found
+
+
+def number(config: Mapping[str, str], key: str) -> float:
+    """Returns the one number of a config key."""
+    found = [_number(word) for word in WORDS.findall(config[key])]
+    if len(found) != 1 or not (found[0] == 0 or SMALLEST <= abs(found[0]) <= LARGEST):
+        raise InputError(
+            f"{key} is {shown(config[key])}: give one number, 0 or 1e-100 to 1e100 in size"
+        )
+    return found[0]
+
+
+def _number(word: str) -> float:
+    """Returns a decimal number, or NaN for other words, also those that `float` accepts."""
+    return float(word) if NUMBER.fullmatch(word) else np.nan
+
+
+_MODEL, _DATA = struct("mjModel"), struct("mjData")
+Fields = namedtuple(
+    "Fields",
+    "m_nplugin m_nsensor m_npluginattr m_jnt_type m_jnt_qposadr m_qpos0 m_sensor_type "
+    "m_sensor_plugin m_plugin m_plugin_statenum m_plugin_attr m_plugin_attradr m_names "
+    "m_name_sensoradr d_plugin_data mjSENS_PLUGIN",
+)
+"""What set-up in Python reads, and `layout` checks."""
+
+
+class Instance:
+    """An instance of a plugin in an mjModel.
+
+    Attributes:
+        model: The mjModel, a ctypes structure, with the addresses of its arrays.
+        number: Number of the instance.
     """
-    sentence = np.zeros(SENTENCE_LIMIT, np.uint8)
-    n = add_text(sentence, 0, plugin_name(m, instance, at))
-    n = add(sentence, n, b" of ")
-    n = add(sentence, n, noun)
-    n = add(sentence, n, b" '")
-    n = add_text(sentence, n, config(m, instance, subject, at))
-    n = add(sentence, n, b"': ")
-    if key != subject:
-        n = add_text(sentence, n, key_name(m, instance, key, at))
-        n = add(sentence, n, b" is '")
-        n = add_text(sentence, n, config(m, instance, key, at))
-        n = add(sentence, n, b"': ")
-    return sentence, n
+
+    def __init__(self, address: int, number: int) -> None:
+        self.model, self.number = _MODEL.from_address(address), number
+
+    def sibling(self, number: int) -> "Instance":
+        """Returns another instance in the same model."""
+        return Instance(ctypes.addressof(self.model), number)
+
+    def integer(self, array: str, index: int) -> int:
+        """Returns an element of an int array of the model."""
+        return ctypes.c_int.from_address(getattr(self.model, array) + 4 * index).value
+
+    @property
+    def plugin(self) -> "Registered":
+        """The plugin, with its `name` and its `keys`."""
+        return _slots[self.integer("plugin", self.number)]
+
+    @cached_property
+    def raw(self) -> bytes:
+        """The values of all config keys as C strings, which tell configs apart."""
+        begin, last = self.integer("plugin_attradr", self.number), self.number + 1
+        end = self.model.npluginattr
+        if last < self.model.nplugin:
+            end = self.integer("plugin_attradr", last)
+        return ctypes.string_at(self.model.plugin_attr + begin, end - begin)
+
+    @cached_property
+    def config(self) -> dict[str, str]:
+        """The text of each config key, empty where the key was not given."""
+        return config_of(self.plugin.keys, self.raw)
+
+    def find(self, noun: str, key: str) -> int:
+        """Returns the id of the object, as a "joint", that a config key names."""
+        name = self.config[key]
+        kind = mujoco.mju_str2Type(noun)
+        found = _name2id(ctypes.addressof(self.model), kind, name.encode())
+        if found < 0:
+            about = "" if key == self.plugin.keys[0] else f"{key} is {shown(name)}: "
+            raise InputError(
+                f"{about}the model has no such {noun}; name one, and attach plugins after a spec "
+                "got its name prefix"
+            )
+        return found
+
+    def sensor_name(self, sensor: int) -> str:
+        """Returns the name of a sensor."""
+        address = self.model.names + self.integer("name_sensoradr", sensor)
+        return ctypes.string_at(address).decode()
+
+    def sensors(self, quantities: Sequence[str]) -> list[int]:
+        """Returns the instance's sensor of each quantity, with which its name ends; -1 for none."""
+        found, count = [-1] * len(quantities), self.model.nsensor
+        owners = (ctypes.c_int * count).from_address(self.model.sensor_plugin or 0) if count else ()
+        for sensor, owner in enumerate(owners):
+            if owner != self.number or self.integer("sensor_type", sensor) != SENSOR_TYPE:
+                continue
+            name = self.sensor_name(sensor)
+            kind = next((k for k, one in enumerate(quantities) if name.endswith(one)), None)
+            if kind is None:
+                raise InputError(
+                    "the name of each of its sensors must end in "
+                    f"{', '.join(quantities[:-1])} or {quantities[-1]}, which is the measured "
+                    "quantity"
+                )
+            if found[kind] >= 0:
+                raise InputError("two of its sensors measure the same; leave one out")
+            found[kind] = sensor
+        return found
+
+    def complain(self, error: Exception) -> None:
+        """Issues a MuJoCo warning about the instance, which its first config key describes."""
+        plugin = self.plugin
+        subject = f"{plugin.keys[0]} {shown(self.config[plugin.keys[0]])}" if plugin.keys else "it"
+        sentence = f"{plugin.name} of {subject}: {error}"[:SENTENCE_LIMIT]
+        _warning(sentence.replace("%", "%%").encode())
 
 
-@inner(cache=False)
-def complain(m, instance, noun, subject, key, reason, at):
-    """Issues a MuJoCo warning: a sentence about a config that ends with `reason`."""
-    sentence, n = begin_complaint(m, instance, noun, subject, key, at)
-    add(sentence, n, reason)
-    issue(sentence)
+SENSOR_TYPE = int(mujoco.mjtSensor.mjSENS_PLUGIN)
 
 
-@inner
-def packed(ids, place, bits):
-    """Returns the number at a place of the word `ids`, from 0; -1 for none."""
-    return ((ids >> (bits * place)) & (2**bits - 1)) - 1
-
-
-@inner
-def sensor_kind(name, endings):
-    """Returns the index of the end of `name` among `endings`, as b"force torque"; -1 for none."""
-    for start in range(length(name)):
-        kind = choice_of(name + start, endings)
-        if kind >= 0:
-            return kind
-    return -1
-
-
-@inner
-def pack_sensors(m, instance, ids, first, bits, endings, at):
-    """Returns (FOUND, UNKNOWN or TWICE, the word `ids` with the sensors of an instance added).
-
-    UNKNOWN is a sensor whose name has none of the endings, and TWICE a second sensor of one ending.
-    The sensor with the first ending gets the place `first`. The function reads m_nsensor and the
-    fields of `sensor_name` and `is_sensor_of`.
-    """
-    for sensor in range(pointer_at(m + at.m_nsensor)):
-        if is_sensor_of(m, sensor, instance, at):
-            kind = sensor_kind(sensor_name(m, sensor, at), endings)
-            if kind < 0:
-                return UNKNOWN, ids
-            if packed(ids, first + kind, bits) >= 0:
-                return TWICE, ids
-            ids |= (sensor + 1) << (bits * (first + kind))
-    return FOUND, ids
+def config_of(keys: Sequence[str], raw: bytes) -> dict[str, str]:
+    """Returns the texts of config keys, which are end to end in `raw` as C strings."""
+    texts = (text.decode(errors="replace") for text in raw.split(b"\0"))
+    return dict(zip(keys, texts, strict=False))
 
 
 STAGE_POS, STAGE_VEL = 1, 2  # mjSTAGE_POS, mjSTAGE_VEL
@@ -477,27 +315,23 @@ STAGE_POS, STAGE_VEL = 1, 2  # mjSTAGE_POS, mjSTAGE_VEL
 # The arguments of each callback, from mujoco/mjplugin.h; pointers are integers here.
 _POINTER, _INT = types.intp, types.int32
 SIGNATURES = {
-    "nstate": _INT(_POINTER, _INT),
-    "nsensordata": _INT(_POINTER, _INT, _INT),
-    "init": _INT(_POINTER, _POINTER, _INT),
-    "destroy": types.void(_POINTER, _INT),
     "copy": types.void(_POINTER, _POINTER, _POINTER, _INT),
-    "reset": types.void(_POINTER, _POINTER, _POINTER, _INT),
     "compute": types.void(_POINTER, _POINTER, _INT, _INT),
     "advance": types.void(_POINTER, _POINTER, _INT),
 }
-# MuJoCo calls one of these callbacks first: `nstate` or `nsensordata` when a model is compiled, and
-# `init` when an mjData is made.
-FIRST = {
-    "nstate": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int),
-    "nsensordata": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int, ctypes.c_int),
-    "init": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_ssize_t, ctypes.c_int),
+_P, _I = ctypes.c_ssize_t, ctypes.c_int
+SETUP = {
+    "nstate": ctypes.CFUNCTYPE(_I, _P, _I),
+    "nsensordata": ctypes.CFUNCTYPE(_I, _P, _I, _I),
+    "init": ctypes.CFUNCTYPE(_I, _P, _P, _I),
+    "reset": ctypes.CFUNCTYPE(None, _P, _P, _P, _I),
 }
 
 _lock = threading.RLock()
 _plugins: dict[
-    str, "_Registered"
+    str, "Registered"
 ] = {}  # C has pointers into these objects as long as the process lives
+_slots: dict[int, "Registered"] = {}
 
 
 def callback(function: Callable[..., Any]) -> Any:
@@ -513,6 +347,17 @@ def callback(function: Callable[..., Any]) -> Any:
         return cfunc(signature)(function)
 
 
+def _copier(at: Any) -> Any:
+    """Compiles the callback that gives a copied mjData the words of all instances."""
+
+    @callback
+    def copy(destination, m, source, instance):
+        words = carray(_pointer(pointer_at(destination + at)), (instance + 1,), dtype=np.intp)
+        words[instance] = pointer_at(pointer_at(source + at) + 8 * instance)
+
+    return copy
+
+
 def register_plugin(
     name: str,
     keys: Sequence[str],
@@ -525,19 +370,21 @@ def register_plugin(
 
     Args:
         name: Unique name of the plugin, which MJCF refers to.
-        keys: Names of the config keys, in the order in which `config` counts keys.
-        build: Function that compiles and returns the callbacks; it is called when the plugin is
-            first needed.
+        keys: Names of the config keys; the first one names the thing on which an instance acts.
+        build: Function that returns the functions of the plugin; it is called, and compiles, when
+            the plugin is first needed.
         stage: Stage whose results the sensors need, as `STAGE_VEL` for velocities.
-        sensors: Whether the plugin has sensors too. MuJoCo then calls `nsensordata`, and `compute`
-            with mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
+        sensors: Whether the plugin has sensors too. MuJoCo then calls `compute` with
+            mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
 
     Returns:
         The slot of the plugin, its number in `mjModel.plugin`.
     """
     with _lock:
         if name not in _plugins:
-            _plugins[name] = _Registered(name, keys, build, stage, sensors)
+            layout(Fields)
+            _plugins[name] = Registered(name, keys, build, stage, sensors)
+            _slots[_plugins[name].slot] = _plugins[name]
         return _plugins[name].slot
 
 
@@ -546,13 +393,15 @@ def compile_plugin(name: str) -> None:
 
     Without this call MuJoCo's first call compiles the plugin, and no exception can pass through.
     """
-    _plugins[name].compile()
+    _plugins[name].functions()
 
 
-class _Registered:
+class Registered:
     """A registered plugin, whose callbacks are put in place when they are compiled.
 
     Attributes:
+        name: Name of the plugin.
+        keys: Names of its config keys.
         slot: Number of the plugin in `mjModel.plugin`.
     """
 
@@ -564,10 +413,10 @@ class _Registered:
         stage: int,
         sensors: bool,
     ) -> None:
-        self._name, self._build = name, build
-        self._callbacks: dict[str, Any] = {}
+        self.name, self.keys, self._build = name, tuple(keys), build
+        self._functions: dict[str, Any] = {}
         self._keys = (ctypes.c_char_p * len(keys))(*(key.encode() for key in keys))
-        self._first = {which: kind(self._beginning(which)) for which, kind in FIRST.items()}
+        self._setup = {which: kind(self._guarded(which)) for which, kind in SETUP.items()}
         library = mujoco_library()
         plugin = Plugin()
         library.mjp_defaultPlugin(ctypes.byref(plugin))
@@ -576,31 +425,63 @@ class _Registered:
         plugin.attributes = self._keys
         plugin.capabilityflags = PASSIVE | SENSOR if sensors else PASSIVE
         plugin.needstage = stage
-        for which, function in self._first.items():
+        for which, function in self._setup.items():
             setattr(plugin, which, ctypes.cast(function, ctypes.c_void_p).value)
         self.slot: int = library.mjp_registerPlugin(ctypes.byref(plugin))
         library.mjp_getPluginAtSlot.restype = ctypes.POINTER(Plugin)
         self._entry = library.mjp_getPluginAtSlot(self.slot).contents  # MuJoCo's own copy
 
-    def compile(self) -> dict[str, Any]:
-        """Replaces the first callbacks by the compiled ones, and returns these by name."""
+    def functions(self) -> dict[str, Any]:
+        """Returns all functions by name; compiles at first, and tells MuJoCo what is compiled."""
         with _lock:
-            if not self._callbacks:
-                self._callbacks = {one.__name__: one for one in self._build()}
-                for which, compiled in self._callbacks.items():
-                    setattr(self._entry, which, compiled.address)
-            return self._callbacks
+            if not self._functions:
+                copier = _copier(layout(Fields).d_plugin_data)
+                self._functions = {one.__name__: one for one in (copier, *self._build())}
+                for which in SIGNATURES.keys() & self._functions:
+                    setattr(self._entry, which, self._functions[which].address)
+            return self._functions
 
-    def _beginning(self, which: str) -> Callable[..., int]:
-        """Returns a callback for MuJoCo's first call, which compiles the plugin and goes on."""
+    def _guarded(self, which: str) -> Callable[..., int]:
+        """Returns a callback through which no exception passes into MuJoCo."""
+        function = getattr(self, f"_{which}")
 
-        def begin(*arguments: int) -> int:
+        def guarded(*arguments: int) -> int:
             try:
-                return self.compile()[which].ctypes(*arguments)
+                return function(*arguments)
             except KeyboardInterrupt:
                 _thread.interrupt_main()
-            except BaseException:  # none may pass through MuJoCo, which gets a failure instead
+            except BaseException:  # MuJoCo gets a failure instead
                 traceback.print_exc()
             return -1
 
-        return begin
+        return guarded
+
+    def _nstate(self, m: int, number: int) -> int:
+        try:
+            return self.functions()["nstate"](Instance(m, number))
+        except InputError:  # `init` will say it
+            return 0
+
+    def _nsensordata(self, m: int, number: int, sensor: int) -> int:
+        count = self.functions().get("nsensordata")
+        return count(Instance(m, number), sensor) if count else 1
+
+    def _init(self, m: int, d: int, number: int) -> int:
+        instance = Instance(m, number)
+        try:
+            word = self.functions()["init"](instance)
+        except InputError as error:
+            instance.complain(error)
+            return -1
+        ctypes.c_ssize_t.from_address(_DATA.from_address(d).plugin_data + 8 * number).value = word
+        return 0
+
+    def _reset(self, m: int, state: int, word: int, number: int) -> int:
+        instance = Instance(m, number)
+        size = instance.integer("plugin_statenum", number)
+        buffer: Any = (ctypes.c_double * size).from_address(state)
+        try:
+            self._functions["reset"](instance, np.ndarray(size, np.float64, buffer), word)
+        except InputError as error:
+            instance.complain(error)
+        return 0

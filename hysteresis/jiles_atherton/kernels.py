@@ -10,25 +10,16 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from ..certificate import ROUNDING
 from . import _bulk as bulk
 from . import _forms as forms
 from .langevin import langevin, log_sinhc
-from .margins import margin_everywhere, margin_in_range
+from .margins import margin_everywhere
 
 MS, A, ALPHA, C, K, STEP_LIMIT, FORM, CLAMP, PER_A, PER_K, TOLERANCE = range(11)
 PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
-DEGREE = math.pi / 180
 SMALLEST = 1e-100  # least Ms, a and k; below, or above 1e100, the steps lose their digits
-FINE, POSITIVE, EXTREME, AT_LEAST_0 = range(4)
-COMPLAINTS = (
-    b"",
-    b"give a number above 0",
-    b"give a number from 1e-100 to 1e+100; choose another unit",
-    b"give a number of at least 0 (below 1 for form jiles-1992)",
-)
 INITIAL = 5  # the torque at the beginning, after Ms, a, alpha, c, k
 SERIES_TERMS = 9  # number of terms of phi_4 for z < 1
 BLOCK = 32  # models of a population that take their steps together
@@ -41,13 +32,6 @@ def begin(p, s, angle, torque):
     s[LOSS] = recoverable(p, angle, torque)  # `dissipated` then begins at 0
     _, bound = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
     return bound - abs(s[LAG])
-
-
-@njit(cache=True, error_model="numpy")
-def is_certified(p):
-    """Returns whether no motion, at any angles, meets the pole or gains energy."""
-    margin, _ = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
-    return is_exact(p) and p[C] >= 1 and margin > ROUNDING
 
 
 @njit(cache=True, error_model="numpy")
@@ -147,53 +131,15 @@ def dissipated(p, s, angle, torque, loss):
 
 
 @njit(cache=True, error_model="numpy")
-def certify(p, s, inside, low, high):
-    """Returns whether the model is certified between two angles, and how far inside s starts."""
-    if is_certified(p) or high - low == math.inf:
-        return is_certified(p), inside
-    Ms, a, alpha, c, k = p[:5]
-    margin, bound, _ = margin_in_range(low, high, Ms, a, alpha, c, k)
-    return is_exact(p) and c >= 1 and margin > ROUNDING, bound - abs(s[LAG])
-
-
-@njit(cache=True, error_model="numpy")
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     return min(p[MS], p[A], p[K]) > 0 and p[STEP_LIMIT] > 0
 
 
 @njit(cache=True)
-def size(counts):
-    """Returns how many numbers memory and parameters have together."""
-    return MEMORY_SIZE + PARAMETER_SIZE
-
-
-@njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
-
-
-@njit(cache=True, error_model="numpy")
-def complaint(values, ends):
-    """Returns the complaint about Ms, a, alpha, c, k, the unit of angles, form and clamp."""
-    for i in (MS, A, K):
-        if not values[i] > 0:
-            return POSITIVE, i
-        if not SMALLEST <= values[i] <= 1 / SMALLEST:
-            return EXTREME, i
-    c, form = values[C], values[6]
-    if form != forms.BULK and not 0 <= c < (1 if form == forms.JILES_1992 else math.inf):
-        return AT_LEAST_0, C
-    return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from the values of all keys."""
-    Ms, a, alpha, c, k, unit, form, clamp = values
-    scale = DEGREE if unit == 1 else 1.0
-    set_parameters(p, Ms, a * scale, alpha * scale, c, k * scale, int(form), int(clamp))
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,14 +3,17 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError
 from ...published import LI_TABLE_2
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel, State
+from ..protocol import ConfigKey, HysteresisModel, State, read_only
 from . import kernels
 from ._forms import CLAMPS, FORMS
 from .margins import margin_everywhere, margin_in_range
@@ -19,6 +22,7 @@ AngleUnit = Literal["rad", "deg"]
 Form = Literal["bulk", "original", "derivative", "jiles-1992"]
 Clamp = Literal["none", "jiles", "irreversible"]
 PARAMETERS = ("Ms", "a", "alpha", "c", "k")
+DEGREE = math.pi / 180
 UNIT_PER_RADIAN: dict[str, float] = {"rad": 1.0, "deg": 180 / math.pi}
 
 
@@ -72,6 +76,15 @@ class JilesAtherton(HysteresisModel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for name in ("Ms", "a", "k"):
+            value = getattr(self, name)
+            if value <= 0:
+                raise self._wrong(name, "give a number above 0")
+            if not kernels.SMALLEST <= value <= 1 / kernels.SMALLEST:
+                raise self._wrong(name, "give a number from 1e-100 to 1e+100; choose another unit")
+        most = 1 if self.form == "jiles-1992" else math.inf
+        if self.form != "bulk" and not 0 <= self.c < most:
+            raise self._wrong("c", "give a number of at least 0 (below 1 for form jiles-1992)")
         if self.allow_active:
             return
         if self.form != "bulk":
@@ -84,6 +97,19 @@ class JilesAtherton(HysteresisModel):
                 f"parameter c is {self.c}: below 1 the model feeds energy into the joint; use "
                 "c >= 1, or allow_active=True to accept that"
             )
+
+    @classmethod
+    def from_config(cls, config: Mapping[str, Any]) -> "JilesAtherton":
+        """Returns the model of a value for each of `config_keys`, which may be active."""
+        return cls(**config, allow_active=True)
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The parameters as the kernels read them, in radians, with constants of every step."""
+        p, scale = np.empty(kernels.PARAMETER_SIZE), DEGREE if self.angle_unit == "deg" else 1.0
+        numbers = self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale
+        kernels.set_parameters(p, *numbers, FORMS.index(self.form), CLAMPS.index(self.clamp))
+        return read_only(p)
 
     @property
     def c_source(self) -> Path:

@@ -26,13 +26,6 @@ from numba import njit
 
 HEADER, SEGMENT, CELL = 3, 7, 8  # how many numbers p has first, for a segment, for a cell
 CAPACITY = 64  # even: branch 64 rises, so that `walk` checks only whether a fall passes its base
-FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
-COMPLAINTS = (
-    b"",
-    b"give increasing numbers (thresholds above 0, levels two or more)",
-    b"n segments between levels need n (n + 1) / 2 numbers, row by row",
-    b"give as many numbers as thresholds or segments between levels",
-)
 RELAYS, COUNT, BRANCH_LOSS, RECORDS = 3, 4, 5, 6
 MEMORY_SIZE = RECORDS + 2 * (CAPACITY + 1)
 LEVEL, WIDTH, PER_WIDTH, DIAGONAL, TORQUE, SLOPE, ENERGY = range(SEGMENT)
@@ -371,16 +364,6 @@ def dissipated(p, s, angle, torque, loss):
     return s[2] + loss
 
 
-@njit(cache=True, error_model="numpy")
-def certify(p, s, inside, low, high):
-    """Returns whether no weight is negative, so that no motion gains energy, and `inside`."""
-    cells = HEADER + SEGMENT * int(p[0])
-    least = p[HEADER + DIAGONAL : cells : SEGMENT].min()
-    if p.size > cells:
-        least = min(least, p[cells + OWN :: CELL].min())
-    return least >= 0, inside
-
-
 @njit(cache=True)
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
@@ -388,37 +371,6 @@ def is_sound(p):
 
 
 @njit(cache=True)
-def size(counts):
-    """Returns how many numbers memory and parameters have together."""
-    return MEMORY_SIZE + parameter_size(max(counts[0] - 1, 0))
-
-
-@njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
-
-
-@njit(cache=True, error_model="numpy")
-def complaint(values, ends):
-    """Returns the complaint about levels, the rows of the density end to end, elastic slopes."""
-    segments = ends[0] - 1
-    if segments < 1:
-        return ASCENDING, 0
-    for i in range(segments):
-        if not values[i + 1] > values[i]:
-            return ASCENDING, 0
-    if ends[1] - ends[0] != segments * (segments + 1) // 2:
-        return DENSITY_SIZE, 1
-    if ends[2] - ends[1] not in (0, segments):
-        return AS_MANY, 2
-    return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p from the values of all keys."""
-    elastic = values[ends[1] : ends[2]]
-    if elastic.size == 0:
-        elastic = np.zeros(ends[0] - 1)
-    set_parameters(p, values[: ends[0]], values[ends[0] : ends[1]], elastic)

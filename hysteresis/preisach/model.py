@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import ModuleType
 from typing import ClassVar
 
@@ -12,7 +13,7 @@ from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
-from ..protocol import ConfigKey, HysteresisModel, Numbers
+from ..protocol import ConfigKey, HysteresisModel, Numbers, read_only
 from . import kernels
 
 
@@ -77,8 +78,23 @@ class Preisach(HysteresisModel):
         if len(numbers("levels", self.levels, "rad")) < 2:
             raise InputError(f"levels is {shown(self.levels)}: give at least 2 angles (rad)")
         super().__post_init__()
+        if np.any(np.diff(self.levels) <= 0):
+            raise self._wrong("levels", "give increasing numbers")
+        segments = len(self.levels) - 1
+        if len(self.density) != segments:
+            raise self._wrong("density", f"give {segments} rows, one for each segment of levels")
+        if len(self.elastic) not in (0, segments):
+            raise self._wrong("elastic", "give as many numbers as segments between levels")
         if not self.elastic:
             object.__setattr__(self, "elastic", (0.0,) * len(self.density))
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The parameters as the kernels read them, with sums over the cells of the density."""
+        p = np.empty(kernels.parameter_size.py_func(len(self.density)))
+        density = np.concatenate(self.density)
+        kernels.set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
+        return read_only(p)
 
     def everett(self, alpha: float, beta: float) -> float:
         """Returns E(alpha, beta): the weight [N·m] of all relays between two angles [rad]."""

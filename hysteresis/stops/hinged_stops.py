@@ -14,19 +14,12 @@ import math
 from numba import njit
 
 from . import prandtl_ishlinskii as stops
-from .prandtl_ishlinskii import FINE, FIRST_PLAY, HEADER, START_TOLERANCE, dissipated, stop
+from .prandtl_ishlinskii import FIRST_PLAY, HEADER, START_TOLERANCE, dissipated, stop
 
 __all__ = ["dissipated"]
 MOST_KNOTS = 16
 HINGE = 2 + 2 * MOST_KNOTS + MOST_KNOTS + 1  # numbers in p after the weights
 OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # indices
-POSITIVE, FEW_KNOTS, ONE_MORE = range(len(stops.COMPLAINTS), len(stops.COMPLAINTS) + 3)
-COMPLAINTS = (
-    *stops.COMPLAINTS,
-    b"give numbers of at least 0",
-    b"give 1 to 16 increasing numbers",
-    b"give one number more than knots",
-)
 
 
 @njit(inline="always", error_model="numpy")
@@ -211,12 +204,6 @@ def stored(p, s, angle, torque, loss):
     return offset * (angle - p[1]) + recoverable(p, s, angle, inner(p, s, angle))
 
 
-@njit(cache=True, error_model="numpy")
-def certify(p, s, inside, low, high):
-    """Returns `(True, inside)`, since every model is certified."""
-    return True, inside
-
-
 @njit(cache=True)
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
@@ -224,56 +211,6 @@ def is_sound(p):
 
 
 @njit(cache=True)
-def size(counts):
-    """Returns how many numbers memory and parameters have together."""
-    return HINGE + stops.size(counts)
-
-
-@njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
     return stops.memory_size(total - HINGE)
-
-
-@njit(cache=True, error_model="numpy")
-def complaint(values, ends):
-    """Returns the complaint about the values of stops, knots, slopes and offset."""
-    number, key = stops.complaint(values, ends)
-    if number != FINE:
-        return number, key
-    knots, slopes = values[ends[3] : ends[4]], values[ends[4] : ends[5]]
-    if not 1 <= knots.size <= MOST_KNOTS:
-        return FEW_KNOTS, 4
-    if slopes.size != knots.size + 1:
-        return ONE_MORE, 5
-    for k in range(1, knots.size):
-        if not knots[k] > knots[k - 1]:
-            return FEW_KNOTS, 4
-    for at in (0, 3, 5):
-        for value in values[ends[at - 1] if at > 0 else 0 : ends[at]]:
-            if not value >= 0:
-                return POSITIVE, at
-    return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p; the values at the knots follow from h(0) = 0, outwards from the piece around 0."""
-    n, m = ends[2] - ends[1], ends[4] - ends[3]
-    p[:] = 0.0
-    p[: HEADER + 2 * n] = values[: ends[3]]
-    hinge, knots, slopes = p[HEADER + 2 * n :], values[ends[3] : ends[4]], values[ends[4] :]
-    hinge[OFFSET], hinge[COUNT] = values[ends[5]], m
-    hinge[KNOTS : KNOTS + m] = knots
-    hinge[SLOPES : SLOPES + m + 1] = slopes[: m + 1]
-    zero = 0
-    while zero < m and knots[zero] <= 0:
-        zero += 1
-    for k in range(zero, m):
-        below = 0.0 if k == zero else knots[k - 1]
-        value = 0.0 if k == zero else hinge[VALUES + k - 1]
-        hinge[VALUES + k] = value + slopes[k] * (knots[k] - below)
-    for k in range(zero - 1, -1, -1):
-        above = 0.0 if k == zero - 1 else knots[k + 1]
-        value = 0.0 if k == zero - 1 else hinge[VALUES + k + 1]
-        hinge[VALUES + k] = value - slopes[k + 1] * (above - knots[k])

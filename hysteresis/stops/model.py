@@ -34,6 +34,18 @@ class Stops(HysteresisModel):
     weights: Numbers
     rest_angle: float
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.weights) != len(self.thresholds):
+            raise self._wrong("weights", "give as many numbers as thresholds")
+        if np.any(np.diff(self.thresholds, prepend=0.0) <= 0):
+            raise self._wrong("thresholds", "give increasing numbers above 0")
+
+    @property
+    def memory_size(self) -> int:  # type: ignore[override]
+        """How many numbers the memory holds: three, and the play of each stop."""
+        return prandtl_ishlinskii.FIRST_PLAY + len(self.thresholds)
+
     @abstractmethod
     def _starts(self, angle: float) -> tuple[float, float]:
         """Returns the least and the largest torque [N·m] with which a motion can begin."""
@@ -192,6 +204,36 @@ class HingedStops(Stops):
     slopes: Numbers
     offset: float = 0.0
     rest_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        most = hinged_stops.MOST_KNOTS
+        if len(self.knots) > most or np.any(np.diff(self.knots) <= 0):
+            raise self._wrong("knots", f"give 1 to {most} increasing numbers")
+        if len(self.slopes) != len(self.knots) + 1:
+            raise self._wrong("slopes", "give one number more than knots")
+        for name in ("stiffness", "weights", "slopes"):
+            if np.min(getattr(self, name)) < 0:
+                raise self._wrong(name, "give numbers of at least 0")
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The parameters as the kernels read them: those of stops, the offset, and h.
+
+        The values at the knots follow from h(0) = 0, outwards from the piece around 0.
+        """
+        knots, slopes, m, most = self.knots, self.slopes, len(self.knots), hinged_stops.MOST_KNOTS
+        zero = sum(knot <= 0 for knot in knots)
+        values = [0.0] * m
+        for k in range(zero, m):
+            below, value = (knots[k - 1], values[k - 1]) if k > zero else (0.0, 0.0)
+            values[k] = value + slopes[k] * (knots[k] - below)
+        for k in reversed(range(zero)):
+            above, value = (knots[k + 1], values[k + 1]) if k < zero - 1 else (0.0, 0.0)
+            values[k] = value - slopes[k + 1] * (above - knots[k])
+        room = [0.0] * (most - m)
+        hinge = [self.offset, m, *knots, *room, *values, *room, *slopes, *room]
+        return read_only([*self.stops.parameter_vector, *hinge])
 
     @cached_property
     def stops(self) -> PrandtlIshlinskii:

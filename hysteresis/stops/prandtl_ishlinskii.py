@@ -15,8 +15,6 @@ from numba import njit
 
 HEADER = 2  # numbers in p before the thresholds
 FIRST_PLAY = 3  # numbers in s before the plays
-FINE, ASCENDING, AS_MANY = range(3)
-COMPLAINTS = (b"", b"give increasing numbers above 0", b"give as many numbers as thresholds")
 START_TOLERANCE = 1e-12  # rounding of a saturated torque, relative to the sum of all |torques|
 
 
@@ -147,15 +145,6 @@ def dissipated(p, s, angle, torque, loss):
     return s[2] + loss
 
 
-@njit(cache=True, error_model="numpy")
-def certify(p, s, inside, low, high):
-    """Returns whether no weight is negative, so that no motion gains energy, and `inside`."""
-    for weight in p[HEADER + (p.size - HEADER) // 2 :]:
-        if weight < 0:
-            return False, inside
-    return True, inside
-
-
 @njit(cache=True)
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
@@ -163,31 +152,6 @@ def is_sound(p):
 
 
 @njit(cache=True)
-def size(counts):
-    """Returns how many numbers memory and parameters have together."""
-    return FIRST_PLAY + HEADER + 3 * counts[2]
-
-
-@njit(cache=True)
 def memory_size(total):
     """Returns how many of these `total` numbers belong to the memory."""
     return FIRST_PLAY + (total - FIRST_PLAY - HEADER) // 3
-
-
-@njit(cache=True, error_model="numpy")
-def complaint(values, ends):
-    """Returns the complaint about stiffness, rest angle, thresholds and weights of stops."""
-    if ends[3] - ends[2] != ends[2] - ends[1]:
-        return AS_MANY, 3
-    below = 0.0
-    for threshold in values[ends[1] : ends[2]]:
-        if not threshold > below:
-            return ASCENDING, 2
-        below = threshold
-    return FINE, 0
-
-
-@njit(cache=True, error_model="numpy")
-def configure(values, ends, p):
-    """Fills p with the values of all keys."""
-    p[:] = values

@@ -67,8 +67,7 @@ def test_a_plugin_is_compiled_when_it_is_needed_and_once():
     def build():
         built.append("now")
 
-        @native.callback
-        def nstate(m, instance):
+        def nstate(instance):
             return 0
 
         return (nstate,)

@@ -197,11 +197,11 @@ def test_plain_mjcf_works_and_its_mistakes_get_one_sentence():
     expected = Bushing(**SPRINGS).parameter_vector
     np.testing.assert_array_equal(mujoco.MjData(model).plugin_state, expected)
     rows = [
-        ({"limb": "limb"}, "a_force", "of limb site 'limb': exo is '': the model has no such site"),
+        ({"limb": "limb"}, "a_force", "of limb 'limb': exo is '': the model has no such site"),
         (ends | {"exo": "limb"}, "a_force", "same body"),
         (ends | {"stiffness": "1 2"}, "a_force", "stiffness is '1 2': give three finite numbers"),
         (ends | {"damping": "1 -2 3"}, "a_force", "damping is '1 -2 3': .* at least 0"),
-        (ends, "a_pressure", "with the measured force, torque or energy"),
+        (ends, "a_pressure", "must end in force, torque or energy"),
     ]
     for config, sensor, sentence in rows:
         with pytest.raises(ValueError, match=sentence):

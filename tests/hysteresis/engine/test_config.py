@@ -108,48 +108,62 @@ BAD = [
     ("jiles_atherton", {"joint": "ball"}, "of joint 'ball': the joint is not a hinge or a slide"),
     ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': the joint is not a hinge"),
     ("jiles_atherton", {"Ms": "many"}, say("Ms", "many", ONE_NUMBER)),
-    ("jiles_atherton", {"a": "-3"}, say("a", "-3", "give a number above 0")),
-    ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use rad or deg")),
-    ("jiles_atherton", {"form": "wiki"}, say("form", "wiki", "use bulk, original")),
-    ("jiles_atherton", {"clamp": "on"}, say("clamp", "on", "use none, jiles or irr")),
+    ("jiles_atherton", {"a": "-3"}, r"'one': a is -3\.0 deg: give a number above 0"),
+    ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use 'rad' or 'deg'")),
+    ("jiles_atherton", {"form": "wiki"}, say("form", "wiki", "use 'bulk' or 'original'")),
+    ("jiles_atherton", {"clamp": "on"}, say("clamp", "on", "use 'none' or 'jiles' or 'irr")),
     ("jiles_atherton", {"alpha": "5"}, "have no certificate .* allow_uncertified to true"),
     ("jiles_atherton", {"form": "original"}, "have no certificate"),
-    ("jiles_atherton", {"form": "original", "c": "-1"}, say("c", "-1", "give a number of at")),
+    ("jiles_atherton", {"form": "original", "c": "-1"}, r"'one': c is -1\.0: give a number of at"),
     ("jiles_atherton", {"start_angle": "1 rad"}, say("start_angle", "1 rad", "give one")),
     ("jiles_atherton", {"start_path": "1 inf"}, say("start_path", "1 inf", NUMBERS)),
-    ("jiles_atherton", {**RISKY, "start_path": "2.5 -1"}, "'2.5 -1': its torque becomes in"),
+    ("jiles_atherton", {**RISKY, "start_path": "2.5 -1"}, "the torque becomes infinite between"),
     ("jiles_atherton", {"start_angle": "3"}, "starts too far from rest"),
     ("jiles_atherton", {"allow_uncertified": "1"}, say("allow_uncertified", "1", "use true")),
     ("jiles_atherton", {"polynomial": "1 x"}, say("polynomial", "1 x", NUMBERS)),
-    ("jiles_atherton", {"polynomial": "1 1 1 1 1 1 1"}, "give at most 6 coefficients"),
-    ("jiles_atherton", {"angle_range": "1 0"}, say("angle_range", "1 0", "give lowest and")),
-    ("bouc_wen", {"angle_range": "1"}, say("angle_range", "1", "give lowest and highest")),
+    (
+        "jiles_atherton",
+        {"polynomial": "1 1 1 1 1 1 1"},
+        "has 7 coefficients: give at most 6",
+    ),
+    ("jiles_atherton", {"angle_range": "1 0"}, r"angle_range is \[1\.0, 0\.0\]: give two asc"),
+    ("bouc_wen", {"angle_range": "1"}, r"angle_range is \[1\.0\]: give two asc"),
     ("jiles_atherton", {"colour": "red"}, "unrecognized attribute 'plugin:colour'"),
     ("bouc_wen", {"Ms": "1"}, "unrecognized attribute 'plugin:Ms'"),
-    ("bouc_wen", {"hysteretic": "0"}, say("hysteretic", "0", "give a number other than 0")),
+    ("bouc_wen", {"hysteretic": "0"}, r"hysteretic is 0\.0 N·m/rad: give a number other"),
     ("bouc_wen", {"gamma": "-4"}, "have no certificate"),
     ("bouc_wen", {"start_torque": "40"}, "starts too far from rest"),
     ("prandtl_ishlinskii", {"thresholds": "0.1 x"}, say("thresholds", "0.1 x", NUMBERS)),
     ("prandtl_ishlinskii", {"thresholds": "0.1 0.5 0.2"}, "give increasing numbers"),
-    ("prandtl_ishlinskii", {"weights": "1 2"}, say("weights", "1 2", "give as many numbers")),
+    ("prandtl_ishlinskii", {"weights": "1 2"}, r"weights is \(1\.0, 2\.0\) .*: give as many"),
     ("prandtl_ishlinskii", {"weights": "3 -2 1"}, "have no certificate"),
-    ("prandtl_ishlinskii", {"start_torque": "40"}, "cannot have start_torque at start_angle"),
-    ("hinged_stops", {"knots": "1 -1"}, say("knots", "1 -1", "give 1 to 16 increasing")),
+    ("prandtl_ishlinskii", {"start_torque": "40"}, "40 N·m .* this prandtl-ishlinskii model can"),
+    ("hinged_stops", {"knots": "1 -1"}, r"knots is \(1\.0, -1\.0\) N·m: give 1 to 16 incr"),
     ("dahl", {"spring": ""}, "spring is ''"),
     ("dahl", {"spring": " 1" * 7}, "give 1 to 6 coefficients"),
-    ("duhem", {"friction_up": "-1"}, say("friction_up", "-1", "give a number above 0")),
+    ("duhem", {"friction_up": "-1"}, r"friction_up is -1\.0 N·m: give a number above"),
     ("duhem", {"start_torque": "9"}, "starts too far from rest"),
-    ("preisach", {"levels": "0"}, say("levels", "0", "give increasing numbers")),
-    ("preisach", {"density": "1 2"}, r"n \(n \+ 1\) / 2 numbers"),
+    ("preisach", {"levels": "0"}, r"levels is \[0\.0\]: give at least 2 angles"),
+    ("preisach", {"density": "1 2"}, r"density\[1\] has 1 numbers: give 2"),
+    ("preisach", {"density": "1"}, "give 2 rows, one for each segment of levels"),
+    ("preisach", {"elastic": "1"}, r"elastic is \(1\.0,\) N·m/rad: give as many numbers"),
     ("preisach", {"density": "1 -2 1"}, "have no certificate"),
 ]
 NO_NUMBERS = ("1e999", "1e-320", "1e101", "0x10", "1e", ".", "1 2", "")
 BAD += [("jiles_atherton", {"c": one}, say("c", one, ONE_NUMBER)) for one in NO_NUMBERS]
-GAP = "give one number above 0, the angle by which"
-BAD += [("jiles_atherton", {"gap": one}, GAP) for one in ("0", "-0.1", "x", "0.1 0.2", "inf")]
-RATE = "give damping, relaxation stiffness and relaxation"
-NO_RATES = ("0.1", "0.1 -1 2", "0.1 1 0", "0.1 x 2")
-BAD += [("jiles_atherton", {"viscoelastic": one}, RATE) for one in NO_RATES]
+NOT_ABOVE_0 = "gap is .* rad: give an angle above 0"
+BAD += [("jiles_atherton", {"gap": one}, NOT_ABOVE_0) for one in ("0", "-0.1")]
+NO_GAPS = ("x", "0.1 0.2", "inf", "nan", "1_000", "\u0661")
+BAD += [("jiles_atherton", {"gap": one}, say("gap", one, ONE_NUMBER)) for one in NO_GAPS]
+BAD += [
+    ("jiles_atherton", {"viscoelastic": given}, message)
+    for given, message in {
+        "0.1": "give damping, relaxation stiffness and relaxation time, three numbers",
+        "0.1 -1 2": "relaxation_stiffness is -1 N·m/rad: give at least 0",
+        "0.1 1 0": "relaxation_time is 0 s: give a time above 0",
+        "0.1 x 2": say("viscoelastic", "0.1 x 2", NUMBERS),
+    }.items()
+]
 
 
 def test_bad_mjcf_is_one_sentence():

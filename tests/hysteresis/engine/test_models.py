@@ -116,6 +116,28 @@ def test_a_bad_path_is_refused(shoulder):
         pendulum(shoulder, start_path=[2.5, -1.0], allow_uncertified=True)
 
 
+def test_a_diverged_simulation_starts_again_in_any_thread():
+    compiled = pendulum(ELBOW, start_angle=0.1, start_path=PATH)
+    batch = Batch(compiled, nsim=16, nthread=4)
+    states = batch.bind("plugin_state").reshape(16, -1)
+    states[:], batch.bind("qvel")[:] = 1.0, math.nan
+    batch.step()
+    again = mujoco.MjData(compiled)
+    mujoco.mj_step(compiled, again)
+    np.testing.assert_array_equal(states, np.tile(again.plugin_state, (16, 1)))
+
+
+def test_a_start_that_a_changed_model_forbids_is_a_fault(capfd):
+    compiled = pendulum(KNOWN["duhem"])
+    data = mujoco.MjData(compiled)
+    compiled.qpos0[0] = 5.0  # where the spring alone has more torque than the friction allows
+    mujoco.mj_resetData(compiled, data)
+    assert data.plugin_state[fault_slots(compiled)].tolist() == [1.0]
+    mujoco.mj_forward(compiled, data)
+    assert data.qfrc_passive[0] == -compiled.dof_damping[0] * data.qvel[0]
+    assert "starts too far from rest" in capfd.readouterr().err
+
+
 def test_one_set_of_parameters_per_simulation(model):
     compiled = pendulum(model)
     batch = Batch(compiled, nsim=3, nthread=2)

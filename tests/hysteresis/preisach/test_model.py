@@ -184,7 +184,7 @@ def test_bad_parameters():
         ({"levels": [0, 1, 1]}, r"levels is \(0\.0, 1\.0, 1\.0\) rad: give increasing numbers"),
         ({"levels": [0, 1, math.nan]}, r"levels\[2\] is nan: give finite numbers"),
         ({"levels": "012"}, "levels is '012': give at least one number"),
-        ({"density": [[1]]}, r"density is \(\(1\.0,\),\) N·m: n segments between levels need n"),
+        ({"density": [[1]]}, r"density is \(\(1\.0,\),\) N·m: give 2 rows, one for each"),
         ({"density": [[1], [1]]}, r"density\[1\] has 1 numbers: give 2"),
         ({"density": [[1], [1, "x"]]}, r"density\[1\] is \[1, 'x'\]: give at least one number"),
         ({"elastic": [1]}, "elastic is .* N·m/rad: give as many numbers"),
