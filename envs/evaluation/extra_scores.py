@@ -101,14 +101,12 @@ def cost_table(name: str, scored: Mapping[str, Scored], costs: Costs) -> Rows:
     header += [f"{fact}\n[{score.units.get(fact, '1')}]" for fact in named]
     rows = []
     for policy, of in costs.items():
-        cells = [cell for one in of.values() for cell in _cells(one)]
+        cells = []
+        for cost in of.values():
+            between = "-" if cost.between is None else "{:.2f}\nto {:.2f}".format(*cost.between)
+            cells += [f"{cost.mean:.3g}", interval_text(cost.relief), between]
         rows.append([policy, *cells, *(_numbers(scored[policy].facts.get(one)) for one in named)])
     return header, rows
-
-
-def _cells(cost: Cost) -> list[str]:
-    between = "-" if cost.between is None else "{:.2f}\nto {:.2f}".format(*cost.between)
-    return [f"{cost.mean:.3g}", interval_text(cost.relief), between]
 
 
 def _numbers(fact: float | dict[str, float] | None) -> str:

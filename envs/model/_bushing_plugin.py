@@ -1,7 +1,4 @@
-"""A bushing as an engine plugin of MuJoCo: its force law, its configuration, its C callbacks.
-
-An instance keeps its parameters in `mjData.plugin_state`, so they are part of the physics state and
-may differ between the simulations of a batch. It has no memory: `compute` changes no state.
+"""The force law of a bushing, compiled for the engine.
 
 Vectors are tuples of three numbers: they cost no memory. Rotation matrices are rows of nine.
 """
@@ -10,19 +7,13 @@ Vectors are tuples of three numbers: they cost no memory. Rotation matrices are 
 
 import math
 from collections import namedtuple
-from typing import Any
 
 import numpy as np
 from numba import njit
 
-from ...errors import InputError, shown
 from ...hysteresis.engine.native import (
-    Instance,
-    callback,
     doubles,
     int32_at,
-    numbers,
-    pack,
     packed,
     pointer_at,
     sensor_values,
@@ -156,18 +147,8 @@ def load(p, arm, Ra, Rb, rate, spin):
     return scale(-1.0, pull), scale(-1.0, torque), energy
 
 
-PLUGIN_NAME = "activesuit.bushing"
-# Config keys; those of numbers come last, in the order of the parameter vector.
-KEYS = (
-    *("limb", "exo", "stiffness", "rotational_stiffness"),
-    *("damping", "rotational_damping", "offset"),
-)
-NUMBERS = KEYS[2:]
-LARGEST_OFFSET = 0.1  # m
-
 BITS = 12  # of five numbers in the word of an instance: two sites and three sensors
 WIDTH = np.int64(BITS)
-SENSORS = "force", "torque", "energy"  # endings of the names of sensors, from `FORCE_SENSOR` on
 LIMB, EXO = range(2)
 FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = map(np.int64, (2, 3, 4))
 
@@ -178,32 +159,6 @@ Layout = namedtuple(
     "d_cvel d_sensordata d_plugin_state d_plugin_data mjPLUGIN_PASSIVE",
 )
 """The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
-
-
-def connect(instance: Instance) -> int:
-    """Returns the word of an instance: its two sites and its sensors."""
-    sites = [instance.find("site", end) for end in ("limb", "exo")]
-    if len({instance.integer("site_bodyid", site) for site in sites}) == 1:
-        raise InputError(
-            f"exo is {shown(instance.config['exo'])}: it is on the same body as the limb site; "
-            "name one on another"
-        )
-    configured(instance)
-    return pack([*sites, *instance.sensors(SENSORS)], BITS)
-
-
-def configured(instance: Instance) -> list[float]:
-    """Returns the parameters of an instance; missing ones are 0."""
-    found, config = list[float](), instance.config
-    for key in NUMBERS:
-        values = numbers(config, key) or [0.0] * 3
-        offset = key == "offset"
-        low, high = (-LARGEST_OFFSET, LARGEST_OFFSET) if offset else (0.0, math.inf)
-        if len(values) != 3 or not low <= min(values) <= max(values) <= high:
-            allowed = "from -0.1 to 0.1 m" if offset else "of at least 0"
-            raise InputError(f"{key} is {shown(config[key])}: give three finite numbers {allowed}")
-        found += values
-    return found
 
 
 @njit(inline="always")
@@ -279,25 +234,3 @@ def write(m, d, sensor, values, at):
         data = sensor_values(m, d, sensor, len(values), at)
         for i in range(len(values)):
             data[i] = values[i]
-
-
-def build(at: Layout) -> Any:
-    """Returns the functions of the plugin; the compiled one is cached on disk per layout."""
-
-    def nstate(instance):
-        return PARAMETER_SIZE
-
-    def nsensordata(instance, sensor):
-        return 1 if instance.sensor_name(sensor).endswith("energy") else 3
-
-    def init(instance):
-        return connect(instance)
-
-    def reset(instance, state, word):
-        state[:] = configured(instance)
-
-    @callback
-    def compute(m, d, instance, capability):
-        evaluate(m, d, instance, capability, at)
-
-    return nstate, nsensordata, init, reset, compute

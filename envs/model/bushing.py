@@ -21,25 +21,20 @@ process that reads a saved or pickled MjModel with bushings must import this mod
 """
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...errors import InputError, unknown_name
-from ...hysteresis.engine.native import STAGE_VEL, compile_plugin, layout, register_plugin
-from ._bushing_plugin import (
-    KEYS,
-    LARGEST_OFFSET,
-    NUMBERS,
-    PARAMETER_SIZE,
-    PLUGIN_NAME,
-    Layout,
-    build,
-)
+from ...errors import InputError, shown, unknown_name
+from ...hysteresis.engine import native
+from ._bushing_plugin import BITS, PARAMETER_SIZE, Layout, evaluate
 
-SENSORS = ("force", "torque", "energy")
+PLUGIN_NAME = "activesuit.bushing"
+SENSORS = "force", "torque", "energy"  # endings of the names of sensors, in the order of the word
+LARGEST_OFFSET = 0.1  # m
 
 Triple = tuple[float, float, float]
 
@@ -80,6 +75,10 @@ class Bushing:
         return np.concatenate([getattr(self, field.name) for field in fields(self)])
 
 
+KEYS = ("limb", "exo", *(field.name for field in fields(Bushing)))
+"""Config keys of the plugin: two sites, then the numbers in the order of the parameters."""
+
+
 def attach_bushing(
     spec: mujoco.MjSpec, name: str, limb_site: str, exo_site: str, bushing: Bushing
 ) -> None:
@@ -108,9 +107,9 @@ def attach_bushing(
         raise InputError(f"there is a plugin instance {name!r} already: give another name")
     if PLUGIN_NAME not in {plugin.plugin_name for plugin in spec.plugins}:
         spec.activate_plugin(PLUGIN_NAME)
-    compile_plugin(PLUGIN_NAME)
+    native.compile_plugin(PLUGIN_NAME)
     plugin = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
-    numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in NUMBERS}
+    numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in KEYS[2:]}
     plugin.config = {"limb": limb_site, "exo": exo_site, **numbers}
     for quantity in SENSORS:
         sensor = spec.add_sensor(name=f"{name}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
@@ -159,8 +158,45 @@ def register() -> int:
     Raises:
         RuntimeError: The structs of the installed MuJoCo differ from their own description.
     """
-    at = layout(Layout)
-    return register_plugin(PLUGIN_NAME, KEYS, lambda: build(at), STAGE_VEL, sensors=True)
+    at = native.layout(Layout)
+    return native.register_plugin(
+        PLUGIN_NAME, KEYS, lambda: _build(at), native.STAGE_VEL, sensors=True
+    )
+
+
+def _build(at: Layout) -> Any:
+    """Returns the functions of the plugin; the compiled one is cached on disk per layout."""
+
+    def nstate(instance: native.Instance) -> int:
+        return PARAMETER_SIZE
+
+    def nsensordata(instance: native.Instance, sensor: int) -> int:
+        return 1 if instance.sensor_name(sensor).endswith("energy") else 3
+
+    def init(instance: native.Instance) -> int:
+        sites = [instance.find("site", end) for end in KEYS[:2]]
+        if len({instance.integer("site_bodyid", site) for site in sites}) == 1:
+            raise InputError(
+                f"exo is {shown(instance.config['exo'])}: it is on the same body as the limb site; "
+                "name one on another"
+            )
+        _configured(instance)
+        return native.pack([*sites, *instance.sensors(SENSORS)], BITS)
+
+    def reset(instance: native.Instance, state: Array, word: int) -> None:
+        state[:] = _configured(instance).parameter_vector
+
+    @native.callback
+    def compute(m, d, instance, capability):
+        evaluate(m, d, instance, capability, at)
+
+    return nstate, nsensordata, init, reset, compute
+
+
+def _configured(instance: native.Instance) -> Bushing:
+    """Returns the bushing of an instance; missing numbers are 0."""
+    given = {key: native.numbers(instance.config, key) for key in KEYS[2:]}
+    return Bushing(**{key: tuple(values) for key, values in given.items() if values})  # type: ignore
 
 
 def _triple(name: str, values: Triple) -> Triple:

@@ -21,6 +21,7 @@ from ...errors import InputError, shown
 from ..around import Asymmetric, Backlash, Clipped, Parts, Viscoelastic, parts
 from ..around import backlash_kernels as backlash
 from ..protocol import ConfigKey, HysteresisModel, State, follow, read_only
+from ..safety import require_certificate
 from . import native
 from .native import Instance
 
@@ -93,17 +94,7 @@ def begun(kind: type[HysteresisModel], raw: bytes, reference: float) -> Array:
     )
     start, path = model.start(angle, torque), native.numbers(config, "start_path")
     if not _flag(config, "allow_uncertified"):
-        certificate = model.certificate()
-        if not (certificate.certified and certificate.dissipative):
-            raise InputError(
-                "its parameters have no certificate (a motion could meet infinite torque, or gain "
-                "energy); set allow_uncertified to true to run anyway"
-            )
-        if not model.start_is_certified(start):
-            raise InputError(
-                "the model starts too far from rest for the certificate; change start_angle or "
-                "start_torque"
-            )
+        require_certificate(model, start, f"joint {config['joint']}")
     fault = OFF if _flag(config, "taken_off") else 0.0
     return read_only(state_of(parts(model), follow(model, start, path), fault))
 

@@ -51,8 +51,6 @@ class Plugin(ctypes.Structure):
     ]
 
 
-ATTRIBUTES = Plugin.attributes.offset  # place of the config keys' names in mjpPlugin
-
 PROBE = """<mujoco><worldbody><body>
   <joint name="probe"/><geom size=".1"/><site/></body></worldbody>
   <sensor><jointpos name="probe" joint="probe"/></sensor></mujoco>"""

@@ -88,7 +88,9 @@ def nested_motion(
     share = np.array([*inwards, 0]) / BRANCHES
     points = (1 - share) * start + share * end
     ways = np.abs(np.diff(points))
-    rates = np.geomspace(min_rate, max_rate, ways.size)[_spread(ways.size)]
+    # The order of the rates has no trend, and the largest one is the first.
+    order = np.argsort(np.argsort(1 - np.arange(ways.size) * GOLDEN % 1))
+    rates = np.geomspace(min_rate, max_rate, ways.size)[order]
     rates = np.maximum(np.minimum(rates, ways / SHORTEST), min_rate)
     took = ways / rates
     if took.sum() > LONGEST:
@@ -113,11 +115,6 @@ def nested_motion(
         points=tuple(points.tolist()),
         rates=tuple(rates.tolist()),
     )
-
-
-def _spread(count: int) -> list[int]:
-    """Returns the numbers 0 to count - 1 in an order without a trend, the largest one first."""
-    return np.argsort(np.argsort([1 - i * GOLDEN % 1 for i in range(count)])).tolist()
 
 
 def measure(

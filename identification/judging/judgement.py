@@ -194,8 +194,10 @@ def judge(
     own, squares = nrmse(whole, curves), float(rest.values @ rest.values)
     found = tuple(causes(rest)) if own > MATTERS else ()
     left = math.sqrt(squares / max(whole.size - reached.shape[1], 1))
+    nearby = float(np.linalg.norm(beside(independent(reached), whole)))  # by the derivatives
+    tiny = np.finfo(float).tiny
     judged = Judgement(
-        times_noise=left / max(bound, np.finfo(float).tiny),
+        times_noise=left / max(bound, tiny),
         misfit=misfit,
         noise_bound=bound,
         is_repeated=known is not None,
@@ -203,7 +205,7 @@ def judge(
         explained=math.sqrt(squares / whole.size) / min((x.left for x in found), default=np.inf),
         nrmse=own,
         constant=float(np.std(measured)) / curves.peak,
-        unfinished=_unfinished(whole, reached) if searched else 1.0,
+        unfinished=float(np.linalg.norm(whole)) / max(nearby, tiny) if searched else 1.0,
         baselines=baseline_errors(curves),
     )
     verdict = NOT_BEYOND if beyond else DESCRIBES
@@ -236,9 +238,3 @@ def _reached(slopes: Array) -> Array:
     """Returns the directions in which the parameters change the torque, without weak ones."""
     basis, singular, _ = np.linalg.svd(slopes, full_matrices=False)
     return basis[:, singular > HARDLY * singular[0]] if singular.size else basis
-
-
-def _unfinished(residual: Array, slopes: Array) -> float:
-    """Returns the error over the least error nearby, predicted by the model's derivatives."""
-    least = beside(independent(slopes), residual)
-    return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))

@@ -10,8 +10,9 @@ import tyro
 from ...assets import Suit, SuitJoint, load_suit, suit_names
 from ...assets.suit_joints import is_safe
 from ...errors import InputError, unknown_name
-from ...hysteresis import HysteresisModel, PoleError
+from ...hysteresis import HysteresisModel, PoleError, UncertifiedModelError
 from ...hysteresis.parameter_table import parameter_table
+from ...hysteresis.safety import require_certificate
 from ...text import say
 from ..folders import to_json
 from ..options import Json, choice, shipped_tasks
@@ -43,7 +44,7 @@ def suits(
         _list(json)
         return
     suit = load_suit(name)
-    problems = [f"{joint} {what}" for joint, e in suit.joints.items() if (what := _problem(e))]
+    problems = [what for joint, e in suit.joints.items() if (what := _problem(joint, e))]
     if json:
         content = {**suit.model_dump(), "safe": not problems}
         for joint, entry in suit.joints.items():
@@ -54,8 +55,8 @@ def suits(
         _show(suit)
     if problems:
         raise InputError(
-            f"{suit.name} is not safe to simulate: {'; '.join(problems)}; identify its curves "
-            "by method certified, or simulate with --allow-uncertified"
+            f"{suit.name} is not safe to simulate: {'; '.join(problems)}; or identify its curves "
+            "by method certified"
         )
     if not json:
         print("Safe to simulate: no motion makes its torque infinite or gets energy out of it.")
@@ -117,7 +118,7 @@ def _column(entry: SuitJoint) -> dict[str, str]:
         "their torque there [N·m]": f"{torques[0]:.2f} .. {torques[-1]:.2f}" if torques else "-",
         "certificate margin": f"{entry.model.certificate().margin:.3f}",
         "safe in its range": "yes" if is_safe(entry.model, entry.range) else "NO",
-        "safe to simulate": "NO" if _problem(entry) else "yes",
+        "safe to simulate": "NO" if _problem("", entry) else "yes",
     }
 
 
@@ -137,20 +138,13 @@ def _loss_factor(entry: SuitJoint) -> float | None:
         return None
 
 
-def _problem(entry: SuitJoint) -> str | None:
+def _problem(joint: str, entry: SuitJoint) -> str | None:
     """Returns the reason why a joint is not safe to simulate, or None."""
-    model = entry.model
-    if not is_safe(model):
-        certificate = model.certificate()
-        return (
-            f"has certificate margin {certificate.margin:.3g} and dissipative = "
-            f"{certificate.dissipative}, and needs a margin above 0 and True"
-        )
-    if not model.start_is_certified(model.start(entry.start_angle, entry.start_torque)):
-        return (
-            f"begins at {entry.start_angle:g} rad with {entry.start_torque:g} N·m, outside its "
-            "certificate"
-        )
+    try:
+        start = entry.model.start(entry.start_angle, entry.start_torque)
+        require_certificate(entry.model, start, joint)
+    except UncertifiedModelError as error:
+        return str(error)
     return None
 
 

@@ -199,8 +199,16 @@ def test_plain_mjcf_works_and_its_mistakes_get_one_sentence():
     rows = [
         ({"limb": "limb"}, "a_force", "of limb 'limb': exo is '': the model has no such site"),
         (ends | {"exo": "limb"}, "a_force", "same body"),
-        (ends | {"stiffness": "1 2"}, "a_force", "stiffness is '1 2': give three finite numbers"),
-        (ends | {"damping": "1 -2 3"}, "a_force", "damping is '1 -2 3': .* at least 0"),
+        (
+            ends | {"stiffness": "1 2"},
+            "a_force",
+            r"stiffness of a bushing is \(1.0, 2.0\): give three",
+        ),
+        (
+            ends | {"damping": "1 -2 3"},
+            "a_force",
+            r"damping of a bushing is \(1.0, -2.0, 3.0\): .* least 0",
+        ),
         (ends, "a_pressure", "must end in force, torque or energy"),
     ]
     for config, sensor, sentence in rows:

@@ -61,7 +61,7 @@ def unsafe(capsys, *arguments):
 def test_an_unsafe_suit_is_shown_and_ends_with_exit_code_2(capsys):
     shown, message = unsafe(capsys, "published-2022")
     assert "NO" in shown and "Safe to simulate" not in shown
-    assert "shoulder_flexion has certificate margin -0.245" in message
+    assert "shoulder_flexion: the certificate margin is -0.245" in message
     assert "elbow" not in message
     found = json.loads(unsafe(capsys, "published-2022", "--json")[0])
     assert not found["safe"]
