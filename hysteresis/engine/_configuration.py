@@ -94,7 +94,7 @@ def begun(kind: type[HysteresisModel], raw: bytes, reference: float) -> Array:
     )
     start, path = model.start(angle, torque), native.numbers(config, "start_path")
     if not _flag(config, "allow_uncertified"):
-        require_certificate(model, start, f"joint {config['joint']}")
+        require_certificate(model, start, config["joint"])
     fault = OFF if _flag(config, "taken_off") else 0.0
     return read_only(state_of(parts(model), follow(model, start, path), fault))
 

@@ -86,7 +86,7 @@ def test_a_joint_without_a_steady_cycle_has_no_loss_factor(capsys, tmp_path):
 
 def test_a_start_outside_the_certificate_is_found(capsys, tmp_path):
     _, message = unsafe(capsys, saved(tmp_path / "s.json", SAFE, start_torque=12.0))
-    assert "elbow_flexion begins at 0 rad with 12 N·m, outside its certificate" in message
+    assert "the start of joint 'elbow_flexion' at 0 rad, 12 N·m lies outside" in message
 
 
 def test_samples_are_shown(capsys, tmp_path):
