@@ -68,13 +68,31 @@ class Runs(NamedTuple):
         return np.mean([np.abs(one).max(axis=1) for one in self.first_order.values()], axis=0)
 
 
-def runs_of(joint: str, method: str, *, trials: int, seed: int, iterations: int = 100) -> Runs:
-    """Identifies a joint by one of `METHODS`, again and again."""
+def runs_of(
+    joint: str,
+    method: str,
+    *,
+    trials: int,
+    seed: int,
+    iterations: int = 100,
+    velocity_limit: float = 0.2,
+) -> Runs:
+    """Identifies a joint by one of `METHODS`, again and again.
+
+    Args:
+        joint: One of `JOINTS`.
+        method: One of `METHODS`.
+        trials: Number of runs.
+        seed: Seed of all random numbers.
+        iterations: Number of moves of a swarm.
+        velocity_limit: Vmax over the range of each parameter, of a swarm; assumed, since the paper
+            does not print it.
+    """
     curves = load_curves(curves_path(joint))
     motions = load_curves(curves_path(joint).with_stem(f"{joint}_multi_order"))
     chosen = Certified(trials=trials)
     if method != "certified":
-        sizes = {"trials": trials, "max_iterations": iterations}
+        sizes = {"trials": trials, "max_iterations": iterations, "velocity_limit": velocity_limit}
         name = method.removesuffix(", ln 5")
         chosen = Search(name, objective="paper", **sizes, **METHODS[method])
     fit = fit_curves(curves, method=chosen, seed=seed + zlib.crc32(f"{joint} {method}".encode()))

@@ -36,7 +36,7 @@ class Verdict(NamedTuple):
 
 
 def percent(share: float) -> str:
-    """Returns a share as "-43.1 %"."""
+    """Returns a share as "+6.25 %"."""
     return f"{100 * share:+.3g} %"
 
 

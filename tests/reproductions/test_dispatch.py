@@ -41,6 +41,15 @@ def test_the_printed_costs_are_those_of_this_problem():
     assert best + 0.4 < dispatch.OPTIMUM
 
 
+def test_the_printed_table_contradicts_itself_if_the_best_cost_is_the_optimum():
+    best, average, worst, reached = TABLE_1["rank-distance-mpso"][:4]
+    largest = (reached * best + (100 - reached) * worst) / 100
+    assert largest == pytest.approx(8234.0142, abs=1e-4)
+    assert average > largest + 0.1
+    assert TABLE_1["pso"][3] == 21
+    assert TABLE_1["pso"][0] > worst  # none of these 21 is as low as the worst trial of MPSO
+
+
 def test_every_repaired_row_is_a_dispatch_within_the_limits():
     low, high = np.array(dispatch.BOUNDS).T
     P = dispatch.outputs(low + np.random.default_rng(0).random((2000, 2)) * (high - low))

@@ -10,14 +10,17 @@ import numpy as np
 import pytest
 from activesuit.hysteresis import JilesAtherton
 from activesuit.identification import bare
-from activesuit.reproductions import li_2022
-from activesuit.reproductions.results import run
+from activesuit.json_files import read_json
+from activesuit.reproductions import kao_fung_2009, li_2022, li_2022_velocity
+from activesuit.reproductions.dispatch import cost_trials
+from activesuit.reproductions.results import Results, run
 from activesuit.reproductions.verdicts import judged
 
 PAGE = Path(__file__).parents[2] / "docs" / "reproduction.md"
 WOBBLE = 1 + 0.01 * np.sin(np.arange(30))
 PROGRAMS = {
     "li_2022": ["--trials", "2", "--iterations", "5"],
+    "li_2022_velocity": ["--trials", "2", "--iterations", "5"],
     "kao_fung_2009": ["--trials", "2", "--population", "50", "--iterations", "3"],
     "noel_schoukens_2016": [],
 }
@@ -86,6 +89,41 @@ def test_runs_by_hand(method):
     np.testing.assert_array_equal(runs.fitness, again.fitness)
 
 
+def test_the_table_of_vmax_has_the_kept_trials():
+    kept = read_json(PAGE.parent / "measured" / li_2022_velocity.KEPT, "kept result")
+    rows = li_2022_velocity.rows(kept["result"], seed=0)
+    text = PAGE.read_text(encoding="utf-8")
+    part = text.partition("<!-- made by: li_2022_velocity -->")[2].partition("<!-- end")[0]
+    shown = [line for line in part.splitlines() if line.startswith("|")]
+    assert shown[0] == f"| {li_2022_velocity.HEADER} |"
+    assert shown[2:] == [f"| {' | '.join(row)} |" for row in rows]
+    assert [float(row[1]) for row in rows] == 2 * [0.02, 0.05, 0.2, 1.0]
+    assert {row[2] for row in rows} == {"30"}
+    # The assumed Vmax has the trials of the table of all claims: one number for one thing.
+    for row in (row for row in rows if row[1] == "0.2"):
+        claim = next(line for line in text.splitlines() if f"| {row[0]}, best fitness" in line)
+        assert claim.endswith(f"| {' | '.join(row[-3:])} |")
+
+
+def test_the_inference_is_said_and_the_printed_table_stands_beside_ours(tmp_path, capsys):
+    costs = {
+        (limit, method): cost_trials(method, trials=2, relaxed=limit == "ignored", seed=0)
+        for limit in kao_fung_2009.LIMITS
+        for method in kao_fung_2009.TABLE_1
+    }
+    results = Results(tmp_path)
+    for show in (kao_fung_2009.table_1, lambda *given: kao_fung_2009.claims(*given, seed=0)):
+        show(results, costs)
+        printed = capsys.readouterr().out
+        assert "describe ten units, 30 buses, 41 lines and 24 hours" in printed
+        assert "three units at 850 MW (Walters and Sheble 1993): an inference" in printed
+    text = PAGE.read_text(encoding="utf-8")
+    assert "**Our three units" in text
+    row = "| Kao and Fung | {} | {} | {} | {} | {} of 100 | {} | {} |"
+    for method, numbers in kao_fung_2009.TABLE_1.items():
+        assert row.format(method, *numbers) in text
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_program_makes_its_part_of_the_page(name, tmp_path):
@@ -98,7 +136,7 @@ def test_a_program_makes_its_part_of_the_page(name, tmp_path):
     kept, made = (outline(path.read_text(encoding="utf-8")) for path in (PAGE, page))
     assert made == kept, f"python -m activesuit.reproductions.{name} --page docs/reproduction.md"
     files = re.findall(rf": {name}/(\w+\.png)", done.stdout)
-    assert files
+    assert bool(files) == (name != "li_2022_velocity")
     assert {path.name for path in (tmp_path / name).glob("*.png")} == set(files)
 
 

@@ -25,6 +25,7 @@ def test_every_experiment_is_kept_with_its_command():
     tuned = ("ppo", "recurrent-ppo", "sac")
     others |= {f"hyperparameters-{name}" for name in tuned}  # of `tools.tune_training`
     others |= {f"learner-{name}" for name in LEARNERS}  # of `tools.learners`
+    others.add("li-2022-velocity")  # of `reproductions.li_2022_velocity`
     assert {path.stem for path in FOLDER.iterdir()} == set(EXPERIMENTS) | others
 
 
