@@ -66,6 +66,10 @@ class Evaluation:
         """Returns the relief of the joints that can have a motor; None as for `relief`."""
         return self._relief(policy, "assisted_effort")
 
+    def net_relief(self, policy: str) -> Interval | None:
+        """Returns the relief of net torque, without co-contraction; None as for `relief`."""
+        return self._relief(policy, "net_effort")
+
     def _relief(self, policy: str, effort: str) -> Interval | None:
         self._check(policy)
         found = [self.scores.get(name) for name in (*REFERENCES, policy)]
@@ -105,7 +109,7 @@ class Evaluation:
         cost, found = self.suit_cost, {}
         for name, one in self.scores.items():
             found[name] = one.to_dict()
-            for what in ("relief", "assisted_relief", "share_of_bound"):
+            for what in ("relief", "net_relief", "assisted_relief", "share_of_bound"):
                 interval: Interval | None = getattr(self, what)(name)
                 found[name][what] = interval and interval.to_dict()
             for extra, scored in self.extras.items():

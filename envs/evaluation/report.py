@@ -9,6 +9,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...tables import Rows
 from ..model import ASSISTED
+from ..tasks.task import SUSTAINED
 from .rollout import Trace
 from .scores import REFERENCES, Score
 from .statistics import interval_text
@@ -37,7 +38,7 @@ def score_table(scores: Sequence[Score], evaluation: "Evaluation | None" = None)
     """
     header = ["policy", "effort\n[%]"]
     if evaluation is not None:
-        header += ["relief,\n95 % interval"]
+        header += ["relief,\n95 % interval", "of net\ntorque"]
         if REFERENCE in evaluation.scores:
             header += [f"relief less\n{REFERENCE}'s"]
         header += ["of the\nbound"]
@@ -49,6 +50,8 @@ def _cells(score: Score, evaluation: "Evaluation | None") -> Iterator[str]:
     yield f"{100 * float(np.mean(score.effort)):.1f}"
     if evaluation is not None:
         yield interval_text(evaluation.relief(score.policy), lines=True)
+        net = evaluation.net_relief(score.policy)
+        yield "-" if net is None else f"{net.value:z.2f}"
         if REFERENCE in evaluation.scores:
             free = score.policy not in (*REFERENCES, REFERENCE)
             less = evaluation.relief_difference(score.policy, REFERENCE) if free else None
@@ -78,7 +81,7 @@ def effort_table(scores: Sequence[Score]) -> Rows:
 
 def units_table(scores: Sequence[Score]) -> Rows:
     """Returns one row per policy: medians over motions of usual measures of work."""
-    header = ["policy", "above 15 %\n[% of time]", "endurance\n[s]", "hand\nSPARC"]
+    header = ["policy", f"above {SUSTAINED:.0%}\n[% of time]", "endurance\n[s]", "hand\nSPARC"]
     header += ["completed\nin [s]", "wrong-way\nassist [J]"]
     rows = []
     for score in scores:

@@ -30,7 +30,9 @@ class Score:
 
     Attributes:
         policy: Name of the policy.
-        effort: Root mean square, over time and four joints, of the wearer's torque over strength.
+        effort: Root mean square, over time and four joints, of the wearer's torque over strength,
+            with co-contraction.
+        net_effort: The same of the net torque alone, without co-contraction.
         assisted_effort: Effort over the two joints that can have a motor.
         torque: Root mean square of the wearer's torque [N·m], by joint.
         peak: Largest |torque| of the wearer over all motions [N·m], by joint.
@@ -39,7 +41,8 @@ class Score:
         reward: Mean reward of a control period of the whole motion, in [0, 1]; 0 counts after the
             end of an episode that ended early.
         beginning: Share of the first half second in the sum of the rewards.
-        above_limit: Share of time in which the effort of a joint is above 15 % of strength.
+        above_limit: Share of time in which the effort of a joint is above the usual limit of
+            tasks, `SUSTAINED`.
         endurance: Time for which the joint that tires first could bear the mean effort [s], by
             `envs.person.endurance_time`; infinite where no joint tires.
         smoothness: SPARC of the hand's speed, negative, nearer zero if smoother.
@@ -67,6 +70,7 @@ class Score:
 
     policy: str
     effort: Values
+    net_effort: Values
     assisted_effort: Values
     torque: dict[str, Values]
     peak: dict[str, float]
@@ -105,7 +109,8 @@ class Score:
 
 
 UNITS: dict[str, Any] = {
-    **dict.fromkeys(("effort", "assisted_effort", "unadapted_effort", "above_limit"), "1"),
+    **dict.fromkeys(("effort", "net_effort", "assisted_effort", "unadapted_effort"), "1"),
+    "above_limit": "1",
     **dict.fromkeys(("reward", "beginning", "smoothness", "guarded", "saturated", "fatigued"), "1"),
     **dict.fromkeys(("torque", "peak", "strength_left"), "N·m"),
     **dict.fromkeys(("tracking", "tracking_rmse", "unadapted_tracking"), "rad"),
@@ -147,6 +152,7 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
     return Score(
         policy=policy,
         effort=each(effort),
+        net_effort=each(_net_effort),
         assisted_effort=each(lambda one: root_mean_square(one.effort[:, _ASSISTED])),
         torque=each_of(JOINTS, lambda one: map(root_mean_square, one.human_torque.T)),
         peak=_by_joint(np.abs(human).max(axis=0)),
@@ -178,6 +184,11 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
         unadapted_effort=each(effort, unadapted),
         unadapted_tracking=each(tracking, unadapted),
     )
+
+
+def _net_effort(trace: Trace) -> float:
+    torque, (extensors, flexors) = trace.human_torque, np.moveaxis(trace.strength, 1, 0)
+    return root_mean_square(torque / np.where(torque > 0, flexors, extensors))
 
 
 def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:

@@ -49,9 +49,10 @@ class Convention:
     metabolic: str = "Umberger 2010"  # model of metabolic power
 
 
+RELAXED = "relaxed"  # the convention without co-contraction
 CONVENTIONS: dict[str, Convention] = {
     STANDARD: Convention(),
-    "relaxed": Convention(contraction=False),
+    RELAXED: Convention(contraction=False),
     "rotation free": Convention(third=False),
     "passive forces": Convention(passive=True),
     "least activation": Convention(least=0.01),

@@ -11,6 +11,7 @@ from ..evaluation.scores import root_mean_square
 from ..extras import Score, Scored
 from .analysis import (
     CONVENTIONS,
+    RELAXED,
     STANDARD,
     Demand,
     Shared,
@@ -52,11 +53,12 @@ def muscle_scores(
         The costs are `power`, the metabolic power of all muscles as a mean over time [W], and
         `effort`, the root mean square activation over time and muscles. A motion that ended before
         its third sample has NaN. The facts are under the standard convention: `loaded`, the three
-        muscles with the greatest root mean square activation; `rest`, the power of muscles at rest
-        [W], which `power` includes; `reserve`, the root mean square of the torque that muscles
-        could not give over that of the wanted torque, and `largest_reserve` [N·m]; `saturated`, the
-        share of time in which a muscle was fully active and its load may be larger; `outside`, the
-        share of time in which the posture was outside a range of MyoArm.
+        muscles with the greatest root mean square activation; `without`, the power without
+        co-contraction [W], if its convention is computed; `rest`, the power of muscles at rest [W],
+        which `power` includes; `reserve`, the root mean square of the torque that muscles could not
+        give over that of the wanted torque, and `largest_reserve` [N·m]; `saturated`, the share of
+        time in which a muscle was fully active and its load may be larger; `outside`, the share of
+        time in which the posture was outside a range of MyoArm.
     """
     names = tuple(dict.fromkeys((STANDARD, *conventions)))
     for name in names:
@@ -87,7 +89,7 @@ def muscle_scores(
             f"{outside.mean():.0%} of the postures are outside the ranges of MyoArm's joints, "
             "and at most half may be: score a motion inside these ranges"
         )
-    loads = np.sqrt(np.mean(squares, axis=0))
+    loads, relaxed = np.sqrt(np.mean(squares, axis=0)), power[[one == RELAXED for one in names]]
     loaded = np.argsort(-loads, kind="stable")[:LOADED]
     return Scored(
         costs={
@@ -96,6 +98,7 @@ def muscle_scores(
         },
         facts={
             "loaded": {arm.muscles[i]: float(loads[i]) for i in loaded},
+            "without": {"co-contraction": float(np.nanmean(relaxed))} if relaxed.size else {},
             "rest": float(rest),
             "reserve": float(np.sqrt(left.mean() / max(wanted.mean(), 1e-12))),
             "largest_reserve": float(most.max()),
@@ -150,7 +153,8 @@ SCORE = Score(
     figure=activation_figure,
     least={"power": 0.5, "effort": 0.002},
     units={
-        **{"power": "W", "rest": "W", "largest_reserve": "N·m"},
+        **dict.fromkeys(("power", "without", "rest"), "W, not validated"),
+        "largest_reserve": "N·m",
         **dict.fromkeys(("effort", "loaded", "reserve", "saturated", "outside"), "1"),
     },
     limits={

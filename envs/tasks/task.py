@@ -16,9 +16,9 @@ from ..simulation.kinematics import Arm
 SHORTEST, LONGEST = 0.02, 3600.0  # [s], limits of an episode
 FARTHEST = 10.0  # m and rad, of tolerances
 # Limits of effort, shares of strength. That of the published work envelope is 0.15 of net torque
-# (Schmidt 2001), to which co-contraction adds some 0.05; a shoulder bears 0.30 for 144 s (Frey-Law
+# (Schmidt 2001), to which usual co-contraction adds 0.02; a shoulder bears 0.30 for 144 s (Frey-Law
 # et al. 2012).
-SUSTAINED, LOADED = 0.20, 0.30
+SUSTAINED, LOADED = 0.17, 0.30
 ROUNDING = 1e-3  # excess of a motor's load that its protection, once a period, does not prevent
 STEADY = 0.03  # [rad], error of a joint that moves the hand by 2 cm, as far as the arm reaches
 

@@ -117,6 +117,17 @@ def test_scores_keep_one_value_per_motion(weightless):
     assert not any(weightless.scores["suited"].assist_energy)
 
 
+def test_net_effort_leaves_co_contraction_out(weightless):
+    for name, one in weightless.scores.items():
+        net, whole = np.array(one.net_effort), np.array(one.effort)
+        assert (net < whole).all(), name
+        for value, trace in zip(net, weightless.traces[name], strict=True):
+            way = np.where(trace.human_torque > 0, trace.strength[:, 1], trace.strength[:, 0])
+            assert value == pytest.approx(rms(trace.human_torque / way))
+    assert weightless.net_relief("unsuited").value == pytest.approx(1)
+    assert weightless.net_relief("suited").value == pytest.approx(0)
+
+
 def test_an_evaluation_becomes_json(weightless):
     found = json.loads(json.dumps(weightless.to_dict()))
     assert found["adapted"] is True
