@@ -151,7 +151,7 @@ class TransitionCurves(Task):
     """
 
     ramp_time: tuple[float, float] = setting((1.6, 2.2), "s", SHORTEST_MOVE, LONGEST)
-    home: tuple[float, float] = setting((0.2, 0.45), "of the range", 0, 1)
+    home: tuple[float, float] = setting((0.1, 0.5), "of the range", 0, 1)
 
     source: ClassVar[str] = "Li et al. 2022, curves of identification; times and home assumed"
 
@@ -183,7 +183,7 @@ class TransitionCurves(Task):
 
 @dataclass(frozen=True, kw_only=True)
 class RangeOfMotion(TransitionCurves):
-    """Each joint is swept through its measured range three times, the other one stays.
+    """Each joint is swept three times through at least 90 % of its range; the other one stays.
 
     Attributes:
         end: Least and greatest share of the measured range at which a sweep ends, drawn for each.
