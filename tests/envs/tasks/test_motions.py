@@ -9,7 +9,7 @@ from activesuit.envs.model import ArmConfig, bare_arm, compose
 from activesuit.envs.setup import Setup
 from activesuit.envs.simulation.kinematics import Arm
 from activesuit.envs.simulation.state import stream
-from activesuit.envs.tasks import TASKS, Handrail
+from activesuit.envs.tasks import TASKS
 from activesuit.envs.tasks.motions import distinct
 from activesuit.published import LI_RANGES
 from arms import PEOPLE
@@ -132,5 +132,5 @@ def test_ranges_are_fields_that_are_checked(name):
 
 def test_a_fixed_range_is_a_fixed_motion():
     fixed = {"grip": (0.1, 0.1), "release": (0.9, 0.9), "pull_time": (2.0, 2.0), "wait": (0.0, 0.0)}
-    rail = Handrail(name="Rail", duration=8.0, **fixed)
+    rail = replace(TASKS["Handrail"], duration=8.0, **fixed)
     assert distinct(plan(rail, seed).motion[0] for seed in range(3)) == 1
