@@ -198,7 +198,7 @@ class Handrail(Task):
         forces, duration = rng.spawn(1)[0], rng.uniform(*self.pull_time)
         starts = cycles(rng.uniform(*self.wait), CYCLE, samples * dt)
         far, near = arm.places(np.array([FAR, NEAR]))
-        time, force, stops = dt * np.arange(samples), np.zeros(samples), []
+        time, force, stops = dt * np.arange(samples, dtype=float), np.zeros(samples), []
         for start in starts:
             begin, end = (far + rng.uniform(*at) * (near - far) for at in (self.grip, self.release))
             stops += [(start, begin), (start + duration, end)]
