@@ -5,8 +5,8 @@ import numpy as np
 from activesuit.envs import TASKS, ArmEnv
 
 MOMENTS = {  # s after the reset
-    **{"ReachPanel": 0.5, "ObjectRelocation": 1.2, "Handrail": 1.0, "Ratchet": 0.4},
-    **{"Hammer": 0.4, "Scoop": 0.8, "OverheadHold": 0.1},
+    **{"ReachPanel": 0.5, "ObjectRelocation": 1.2, "Handrail": 3.4, "Ratchet": 1.4},
+    **{"Hammer": 1.5, "Scoop": 2.9, "OverheadHold": 0.1},
 }
 fig, axes = plt.subplots(2, 4, figsize=(12, 6.4))
 axes[1, 3].remove()

@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...arrays import Array
 from ...assets import JOINTS
 from ...checks import pair
 from ...errors import InputError, shown, unknown_name
@@ -136,21 +135,29 @@ MINOR_LOOPS = MinorLoops(name="MinorLoops", duration=20.0, effort=SUSTAINED)
 """Nested loops of shoulder and elbow for 20 s."""
 
 
-HOME = {"shoulder": 0.6, "elbow": 0.9}  # [rad], angle of the joint that does not move
-RAMP = 2.0  # [s], time from the start of the range to a turn
+CHANGE = 2.0  # [s], from one joint to the other
 TRIES = 3  # sweeps of each joint
-SPEED = 0.2  # rad/s, mean of a sweep
 
 
 @dataclass(frozen=True, kw_only=True)
 class TransitionCurves(Task):
-    """The first-order transition curves of both joints, in random order."""
+    """The first-order transition curves of both joints in random order, at random speeds.
 
-    source: ClassVar[str] = "Li et al. 2022, curves of identification; ramp times assumed"
+    Attributes:
+        ramp_time: Shortest and longest time from the start of the range to a turn, and of the way
+            back [s], drawn for each turn.
+        home: Lowest and highest angle at which a joint stays while the other one moves, as a share
+            of its measured range.
+    """
 
-    def turns(self, joint: str, rng: np.random.Generator) -> Sequence[tuple[float, float]]:
-        """Returns pairs: an angle at which a joint turns back [rad], and the time there [s]."""
-        return [(turn, RAMP) for turn in rng.permutation(LI_TURNS[joint])]
+    ramp_time: tuple[float, float] = setting((1.6, 2.2), "s", SHORTEST_MOVE, LONGEST)
+    home: tuple[float, float] = setting((0.1, 0.5), "of the range", 0, 1)
+
+    source: ClassVar[str] = "Li et al. 2022, curves of identification; times and home assumed"
+
+    def turns(self, joint: str, rng: np.random.Generator) -> Sequence[float]:
+        """Returns the angles at which a joint turns back [rad]."""
+        return rng.permutation(LI_TURNS[joint]).tolist()
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns ways of one joint from the start of its range and back, then of the other joint.
@@ -158,13 +165,16 @@ class TransitionCurves(Task):
         The ends of the ways are watched if the task watches the hand.
         """
         stops, ends, now = [], [], 0.0
+        home = {joint: _share(joint, rng.uniform(*self.home)) for joint in LI_RANGES}
         for joint in ("shoulder", "elbow") if rng.random() < 0.5 else ("elbow", "shoulder"):
-            now += RAMP if stops else 0.0  # the motion changes from one joint to the other
-            start = _at(joint, LI_RANGES[joint][0])
+            now += CHANGE if stops else 0.0
+            start = posture(**{**home, joint: LI_RANGES[joint][0]})
             stops.append((now, start))
             ends.append(now)
-            for angle, ramp in self.turns(joint, rng):
-                stops += [(now + ramp, _at(joint, angle)), (now + 2 * ramp, start)]
+            for angle in self.turns(joint, rng):
+                ramp = rng.uniform(*self.ramp_time)
+                turned = posture(**{**home, joint: angle})
+                stops += [(now + ramp, turned), (now + 2 * ramp, start)]
                 ends += [now + ramp, now + 2 * ramp]
                 now += 2 * ramp
         watched = between([(end, end) for end in ends], samples, dt) if self.watches else None
@@ -173,19 +183,28 @@ class TransitionCurves(Task):
 
 @dataclass(frozen=True, kw_only=True)
 class RangeOfMotion(TransitionCurves):
-    """Each joint is swept through its measured range three times, the other one at home."""
+    """Each joint is swept three times through at least 90 % of its range; the other one stays.
 
-    source: ClassVar[str] = "Matty 2010 (NTRS 20100017776); ranges of Li et al. 2022"
+    Attributes:
+        end: Least and greatest share of the measured range at which a sweep ends, drawn for each.
+    """
 
-    def turns(self, joint: str, rng: np.random.Generator) -> Sequence[tuple[float, float]]:
-        """Returns three sweeps to the end of the range."""
-        low, high = LI_RANGES[joint]
-        return [(high, (high - low) / SPEED)] * TRIES
+    ramp_time: tuple[float, float] = setting((4.1, 5.1), "s", SHORTEST_MOVE, LONGEST)
+    end: tuple[float, float] = setting((0.9, 1.0), "of the range", 0, 1)
+
+    source: ClassVar[str] = (
+        "Matty 2010 (NTRS 20100017776); ranges of Li et al. 2022; times, home and ends assumed"
+    )
+
+    def turns(self, joint: str, rng: np.random.Generator) -> Sequence[float]:
+        """Returns the ends of three sweeps [rad]."""
+        return [_share(joint, rng.uniform(*self.end)) for _ in range(TRIES)]
 
 
-def _at(joint: str, angle: float) -> Array:
-    angles = {**HOME, joint: angle}
-    return posture(angles["shoulder"], angles["elbow"])
+def _share(joint: str, share: float) -> float:
+    """Returns the angle at a share of a joint's measured range [rad]."""
+    low, high = LI_RANGES[joint]
+    return low + share * (high - low)
 
 
 TRANSITION_CURVES = TransitionCurves(
@@ -196,4 +215,4 @@ TRANSITION_CURVES = TransitionCurves(
 RANGE_OF_MOTION = RangeOfMotion(
     name="RangeOfMotion", duration=60.0, tracking=0.1, effort=SUSTAINED, hand_error=0.03
 )
-"""Shoulder and elbow from end to end of their measured ranges, the hand within 3 cm there."""
+"""Shoulder and elbow from end to end of their ranges; the hand within 3 cm at the ends."""

@@ -1,6 +1,6 @@
 """Intended motions: minimum-jerk moves between random angles, or from stop to stop."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +8,8 @@ from numba import njit
 
 from ...arrays import AnyArray, Array
 from ..simulation.episode_plan import Motion
+
+ALIKE = 1e-3  # [rad], greatest difference of angles that does not count as another motion
 
 
 def minimum_jerk(fraction: AnyArray) -> tuple[Array, Array, Array]:
@@ -62,11 +64,11 @@ def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Mo
     """Returns minimum-jerk moves from stop to stop, and two derivatives.
 
     A stop is a time [s] and joint angles [rad] or a place [m], shape (k,). Two equal stops in turn
-    are a rest, and the motion stays at the last stop.
+    are a rest; the motion stays at the first stop before, and at the last stop after all of them.
     """
     time = dt * np.arange(samples)
     motion = np.zeros((3, samples, len(stops[-1][1])))
-    motion[0] = stops[-1][1]
+    motion[0] = np.where((time < stops[0][0])[:, None], stops[0][1], stops[-1][1])
     for (begin, here), (end, there) in pairwise(stops):
         now = (begin <= time) & (time < end)
         shares = minimum_jerk((time[now] - begin) / (end - begin))
@@ -106,7 +108,24 @@ def between(windows: Sequence[tuple[float, float]], samples: int, dt: float) -> 
     return found
 
 
-def repeated(stops: Sequence[tuple[float, Array]], period: float, duration: float) -> list:
-    """Returns the stops of a cycle, repeated until a duration [s] has passed."""
-    cycles = int(np.ceil(duration / period)) + 1
-    return [(cycle * period + time, at) for cycle in range(cycles) for time, at in stops]
+def cycles(wait: float, period: float, duration: float) -> list[float]:
+    """Returns the times at which cycles begin after a wait, until a duration has passed [s]."""
+    return [wait + period * i for i in range(int(np.ceil(duration / period)) + 1)]
+
+
+def distinct(motions: Iterable[AnyArray]) -> int:
+    """Returns the number of motions of which no two are alike, within 1 mrad at all times.
+
+    A motion is joint angles [rad], shape (samples, joints). A motion that ended early is compared
+    with the beginning of the others.
+    """
+    found: list[AnyArray] = []
+    for motion in motions:
+        if all(_difference(motion, other) > ALIKE for other in found):
+            found.append(motion)
+    return len(found)
+
+
+def _difference(one: AnyArray, other: AnyArray) -> float:
+    samples = min(len(one), len(other))
+    return float(np.abs(one[:samples] - other[:samples]).max())

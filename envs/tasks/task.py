@@ -72,7 +72,8 @@ class Task:
         place: Place whose gravity acts, unless the environment says otherwise.
         source: Source of motion, loads and rule of success.
         carries: Whether plans have a mass (of the class).
-        period: Time of one cycle where the work is cyclic [s], which a controller may know.
+        period: Time of one cycle where the work is cyclic [s], the same in all episodes, so that a
+            controller may know the period; when the first cycle begins is drawn.
     """
 
     name: str

@@ -15,13 +15,15 @@ from ..model.workplace import CARRIED, add_reaction, draw, draw_bar, grip, holde
 from ..provenance import setting
 from ..simulation.episode_plan import STRONGEST, Plan
 from ..simulation.kinematics import Arm
-from .motions import between, posture, ramped, repeated, through
+from .motions import between, cycles, posture, ramped, through
 from .task import LOADED, LONGEST, SUSTAINED, Task
+
+LARGEST = 2.0  # [rad], greatest angle of a range
 
 BOX, CAPSULE = mjtGeom.mjGEOM_BOX, mjtGeom.mjGEOM_CAPSULE
 CYLINDER, ELLIPSOID = mjtGeom.mjGEOM_CYLINDER, mjtGeom.mjGEOM_ELLIPSOID
-RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)
-BLOW, RAISING, PAUSE = 0.45, 0.6, 0.2  # s
+RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)  # which the anvil faces
+BETWEEN_BLOWS = 1.25  # s
 STEEPNESS = 1.6  # times the mean speed of the swing, at impact
 HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
 HEAD_SHARE = 0.77  # share of the mass; the rest is the handle
@@ -38,19 +40,33 @@ ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
 
 @dataclass(frozen=True, kw_only=True)
 class Hammer(Task):
-    """The arm swings a hammer from its raised posture against an anvil, four times in 5 s.
+    """The arm swings a hammer from a raised posture against an anvil, four times in 5 s.
+
+    Posture and times are drawn for the episode, whose blows are all alike.
 
     Attributes:
         mass: Mass of the hammer [kg].
         rebound: Share of its speed with which the hammer leaves the anvil.
+        shoulder: Least and greatest angle of the shoulder in the raised posture [rad].
+        elbow: Least and greatest angle of the elbow there [rad].
+        blow_time: Shortest and longest time of the way down [s].
+        raise_time: Shortest and longest time of the way back [s]; then the arm pauses.
+        wait: Shortest and longest time before the first blow [s].
     """
 
     mass: float = setting(1.3, "kg", 0.1, HEAVIEST_PAYLOAD)
     rebound: float = setting(0.4, "of the speed", LEAST_REBOUND, 0.9)
+    shoulder: tuple[float, float] = setting((1.02, 1.18), "rad", 1.0, LARGEST)
+    elbow: tuple[float, float] = setting((1.35, 1.55), "rad", 1.2, LARGEST)
+    blow_time: tuple[float, float] = setting((0.42, 0.5), "s", 0.2, 0.55)
+    raise_time: tuple[float, float] = setting((0.55, 0.65), "s", 0.3, 0.7)
+    wait: tuple[float, float] = setting((0.0, BETWEEN_BLOWS), "s", 0, LONGEST)
 
-    source: ClassVar[str] = "geology hammer of 1.3 kg, 0.8 blows a second; rebound assumed"
+    source: ClassVar[str] = (
+        "geology hammer of 1.3 kg, 0.8 blows a second; rebound, postures and times assumed"
+    )
     place: ClassVar[str] = "moon"
-    period: ClassVar[float | None] = BLOW + RAISING + PAUSE
+    period: ClassVar[float | None] = BETWEEN_BLOWS
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Puts a hammer in the hand, and an anvil where it strikes."""
@@ -79,21 +95,23 @@ class Hammer(Task):
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns swings down and back; the speed is watched where the hammer strikes."""
-        raised = RAISED + np.array([0, *rng.uniform(-0.05, 0.05, 2), 0])
-        period = BLOW + RAISING + PAUSE
-        time = np.mod(dt * np.arange(samples) + ROUNDING, period)  # all blows are alike
-        rate = STEEPNESS * (IMPACT - raised) / BLOW
+        raised = posture(rng.uniform(*self.shoulder), rng.uniform(*self.elbow))
+        swing, raising = rng.uniform(*self.blow_time), rng.uniform(*self.raise_time)
+        wait = rng.uniform(*self.wait)
+        since = dt * np.arange(samples) + ROUNDING - wait
+        time = np.mod(since, BETWEEN_BLOWS)
+        rate = STEEPNESS * (IMPACT - raised) / swing
         motion = np.zeros((3, samples, len(JOINTS)))
         still = np.zeros(len(JOINTS))
-        down = time < BLOW + 2 * ROUNDING
-        back = ~down & (time < BLOW + RAISING)
+        down = (since >= 0) & (time < swing + 2 * ROUNDING)
+        back = (since >= 0) & ~down & (time < swing + raising)
         motion[0] = raised
-        motion[:, down] = _swing(time[down], BLOW, (raised, still), (IMPACT, rate))
+        motion[:, down] = _swing(time[down], swing, (raised, still), (IMPACT, rate))
         motion[:, back] = _swing(
-            time[back] - BLOW, RAISING, (IMPACT, -self.rebound * rate), (raised, still)
+            time[back] - swing, raising, (IMPACT, -self.rebound * rate), (raised, still)
         )
-        blows = BLOW + period * np.arange(math.ceil(samples * dt / period))
-        windows = [(blow - EARLY, blow - EARLY) for blow in blows]
+        blows = cycles(wait + swing - EARLY, BETWEEN_BLOWS, samples * dt)
+        windows = [(blow, blow) for blow in blows]
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
 
 
@@ -161,9 +179,7 @@ The wrist may yield to a blow, which throws it back by some 0.25 rad.
 """
 
 
-MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
 FREQUENCY = 1.0  # Hz
-STRAIGHT_ANGLE = (0.7, 0.9)  # rad
 DAMPING = 400.0  # [N·s/m], slope of the reaction, which has its limit at 0.1 m/s
 BEGINNING = 1.0  # [s], rise of the strokes from rest
 STROKE, STRAIGHT = JOINTS.index("elbow_flexion"), JOINTS.index("shoulder_flexion")
@@ -175,12 +191,21 @@ class Ratchet(Task):
 
     Attributes:
         reaction: Greatest force that withstands the stroke [N].
+        shoulder: Least and greatest angle of the shoulder [rad], which stays.
+        elbow: Least and greatest angle of the elbow in the middle of the strokes [rad].
+        swing: Least and greatest angle from there to the ends of the strokes [rad].
+        wait: Shortest and longest time before the first stroke [s].
     """
 
     reaction: float = setting(40.0, "N", 0, STRONGEST)
+    shoulder: tuple[float, float] = setting((0.6, 1.0), "rad", 0, LARGEST)
+    elbow: tuple[float, float] = setting((1.1, 1.25), "rad", 0, LARGEST)
+    swing: tuple[float, float] = setting((0.22, 0.3), "rad", 0, 0.5)
+    wait: tuple[float, float] = setting((0.0, 1 / FREQUENCY), "s", 0, LONGEST)
 
     source: ClassVar[str] = (
-        "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; stroke assumed"
+        "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; posture and "
+        "stroke assumed"
     )
     place: ClassVar[str] = "microgravity"
     period: ClassVar[float | None] = 1 / FREQUENCY
@@ -196,15 +221,15 @@ class Ratchet(Task):
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns strokes that grow from rest; their ends are watched."""
-        time = dt * np.arange(samples)
-        speed = math.tau * FREQUENCY
+        wait, speed = rng.uniform(*self.wait), math.tau * FREQUENCY
+        time = np.maximum(dt * np.arange(samples) - wait, 0)
         wave, rate = -np.cos(speed * time), speed * np.sin(speed * time)
         grown = ramped(wave, rate, -(speed**2) * wave, time, BEGINNING)
         motion = np.zeros((3, samples, len(JOINTS)))
-        motion[0, :, STRAIGHT] = rng.uniform(*STRAIGHT_ANGLE)
-        motion[:, :, STROKE] = SWING * np.array(grown)
-        motion[0, :, STROKE] += MIDDLE
-        ends = (np.arange(1, 1 + round(samples * dt * FREQUENCY)) + 0.5) / FREQUENCY
+        motion[0, :, STRAIGHT] = rng.uniform(*self.shoulder)
+        motion[:, :, STROKE] = rng.uniform(*self.swing) * np.array(grown)
+        motion[0, :, STROKE] += rng.uniform(*self.elbow)
+        ends = cycles(wait + 1.5 / FREQUENCY, 1 / FREQUENCY, samples * dt)
         windows = [(end, end) for end in ends]
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
 
@@ -214,24 +239,35 @@ RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=SUSTAINED, tracking=0.1,
 
 
 LEVEL = math.pi / 2  # rad, pitch of a hand that points forward
-LOWERED, LIFTED = (posture(shoulder, LEVEL - shoulder) for shoulder in (0.4, 1.02))
-LIFT, REST, LOWER = 1.2, 0.3, 1.2  # s
+REST, WAYS = 0.3, 2.4  # [s], pause at either end; time of the way up and of the way down together
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scoop(Task):
     """The arm lifts a level scoop full of soil forward and lowers it empty, every three seconds.
 
+    Soil, depth and height are drawn for each cycle, times for the episode.
+
     Attributes:
-        load: Least and greatest mass of the soil [kg], drawn anew for each scoop.
+        load: Least and greatest mass of the soil [kg].
+        depth: Least and greatest angle of the shoulder when the scoop is low [rad].
+        height: Least and greatest angle of the shoulder when the scoop is high [rad].
+        lift_time: Shortest and longest time of the way up [s], of 2.4 s up and down.
+        wait: Shortest and longest time before the first scoop [s].
     """
 
     load: tuple[float, float] = setting((2.0, 5.0), "kg", 0, LONGEST)
+    depth: tuple[float, float] = setting((0.36, 0.58), "rad", 0, LEVEL)
+    height: tuple[float, float] = setting((0.82, 1.04), "rad", 0, LEVEL)
+    lift_time: tuple[float, float] = setting((1.05, 1.35), "s", 0.4, WAYS - 0.4)
+    wait: tuple[float, float] = setting((0.0, 2 * REST + WAYS), "s", 0, LONGEST)
 
-    source: ClassVar[str] = "sampling on Apollo and IST-2; 3 s and 2 to 5 kg assumed"
+    source: ClassVar[str] = (
+        "sampling on Apollo and IST-2; 3 s, 2 to 5 kg, postures and times assumed"
+    )
     place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
-    period: ClassVar[float | None] = 2 * REST + LIFT + LOWER
+    period: ClassVar[float | None] = 2 * REST + WAYS
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the scoop, and the soil while there is some."""
@@ -246,13 +282,18 @@ class Scoop(Task):
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns lifts and descents; place and tilt are watched while there is a load."""
-        cycle = [(0.0, LOWERED), (REST, LOWERED), (REST + LIFT, LIFTED), (2 * REST + LIFT, LIFTED)]
-        stops = repeated(cycle, 2 * REST + LIFT + LOWER, samples * dt)
+        loads, up = rng.spawn(1)[0], REST + rng.uniform(*self.lift_time)
         mass, time = np.zeros(samples), dt * np.arange(samples)
-        windows = []
-        for start, _ in stops[:: len(cycle)]:
-            full, empty = start + REST / 2, start + REST + LIFT + REST / 2
-            mass[(full <= time) & (time < empty)] = rng.uniform(*self.load)
+        stops, windows = [], []
+        for start in cycles(rng.uniform(*self.wait), 2 * REST + WAYS, samples * dt):
+            low, high = (
+                posture(shoulder, LEVEL - shoulder)
+                for shoulder in (rng.uniform(*self.depth), rng.uniform(*self.height))
+            )
+            stops += [(start, low), (start + REST, low)]
+            stops += [(start + up, high), (start + up + REST, high)]
+            full, empty = start + REST / 2, start + up + REST / 2
+            mass[(full <= time) & (time < empty)] = loads.uniform(*self.load)
             windows.append((full + dt, empty - dt))
         return Plan(through(stops, samples, dt), mass, watched=between(windows, samples, dt))
 
@@ -261,23 +302,31 @@ SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, tracking=0.1, hand_
 """Ten scoops; the tilt of the loaded hand differs from the intended tilt by at most 0.2 rad."""
 
 
-SHOULDER = ((0.85, 0.95), (1.1, 1.2))  # [rad], of lower and of higher places, in turn
-ELBOW = (1.1, 1.3)  # rad
-STAY, MOVE = 6.0, 1.5  # [s], time at a place, and from place to place
+MOVE = 1.5  # [s], from place to place
 SETTLING = 0.5  # [s], time at a place before the hand counts
 
 
 @dataclass(frozen=True, kw_only=True)
 class OverheadHold(Task):
-    """The raised arm holds a tool still for six seconds, at one place after the other.
+    """The raised arm holds a tool still for about six seconds, at one place after the other.
 
     Attributes:
         load: Mass of the tool [kg].
+        lower: Least and greatest angle of the shoulder at every other place [rad].
+        higher: Least and greatest angle of the shoulder at the places between [rad].
+        elbow: Least and greatest angle of the elbow [rad].
+        stay_time: Shortest and longest time at a place [s].
     """
 
     load: float = setting(1.0, "kg", 0, HEAVIEST_PAYLOAD)
+    lower: tuple[float, float] = setting((0.85, 0.95), "rad", 0, LARGEST)
+    higher: tuple[float, float] = setting((1.1, 1.2), "rad", 0, LARGEST)
+    elbow: tuple[float, float] = setting((1.1, 1.3), "rad", 0, LARGEST)
+    stay_time: tuple[float, float] = setting((5.0, 7.0), "s", 2 * SETTLING, LONGEST)
 
-    source: ClassVar[str] = "shoulder injuries in the EMU (Hilbert 2015); posture and load assumed"
+    source: ClassVar[str] = (
+        "shoulder injuries in the EMU (Hilbert 2015); postures, times and load assumed"
+    )
     place: ClassVar[str] = "mars"
     carries: ClassVar[bool] = True
     fatigue: ClassVar[bool] = True
@@ -290,11 +339,13 @@ class OverheadHold(Task):
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
         """Returns a lower and a higher place in turn; the hand is watched at each."""
-        period, stops, windows = STAY + MOVE, [], []
-        for i in range(int(samples * dt / period) + 2):
-            place = posture(rng.uniform(*SHOULDER[i % 2]), rng.uniform(*ELBOW))
-            stops += [(i * period, place), (i * period + STAY, place)]
-            windows.append((i * period + SETTLING * (i > 0), i * period + STAY))
+        stops, windows, now, shoulder, other = [], [], 0.0, self.lower, self.higher
+        while not stops or stops[-1][0] < samples * dt:
+            place = posture(rng.uniform(*shoulder), rng.uniform(*self.elbow))
+            end = now + rng.uniform(*self.stay_time)
+            stops += [(now, place), (end, place)]
+            windows.append((now + SETTLING * (now > 0), end))
+            now, shoulder, other = end + MOVE, other, shoulder
         return Plan(
             through(stops, samples, dt),
             mass=np.full(samples, self.load),

@@ -39,6 +39,7 @@ class PickUp(Task):
 
 PICK_UP = PickUp(name="PickUp", duration=6.5)
 BARE = {"coupling": "none", "suit": "none"}
+AT_ONCE = (0.0, 0.0)  # s, no wait before the first cycle
 
 
 def jacobian(model, data, *, body=None, site=None):
@@ -94,7 +95,7 @@ def test_a_wearer_bears_what_he_has_picked_up():
 
 @pytest.mark.parametrize("options", ARMS.values(), ids=ARMS)
 def test_a_push_acts_as_a_force_on_the_grip(options):
-    env = ArmEnv(replace(TASKS["Handrail"], duration=1.5), **options)
+    env = ArmEnv(replace(TASKS["Handrail"], duration=1.5, wait=AT_ONCE), **options)
     env.reset(seed=1)
     go_on(env, 100)
     model, data = env.model, env.data
@@ -123,7 +124,7 @@ def test_a_push_acts_as_a_force_on_the_grip(options):
 )
 def test_a_ratchet_never_drives(coupling, side):
     limit = 25.0
-    task = Ratchet(name="Ratchet", duration=1.6, reaction=limit)
+    task = Ratchet(name="Ratchet", duration=1.6, reaction=limit, wait=AT_ONCE)
     # A control period is one step of the physics.
     env = ArmEnv(task, coupling=coupling, side=side, control_dt=0.002, sim_dt=0.002)
     assert env.episodes.simulation.substeps == 1
@@ -225,7 +226,7 @@ def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
 def test_both_references_bear_the_reaction_of_a_tool(reference):
     torque = []
     for pull in ((0.0, 0.0), (40.0, 40.0)):
-        task = replace(TASKS["Handrail"], duration=4.0, pull=pull)
+        task = replace(TASKS["Handrail"], duration=4.0, pull=pull, wait=AT_ONCE)
         env = ArmEnv(task, **reference_options(reference, {}))
         env.reset(seed=0)
         torque.append([env.step(np.zeros(0))[-1]["human_torque"] for _ in range(150)])
@@ -234,7 +235,7 @@ def test_both_references_bear_the_reaction_of_a_tool(reference):
 
 @pytest.mark.parametrize("name", ["Scoop", "Handrail"])
 def test_randomize_load_multiplies_masses_and_pushes(name):
-    task = replace(TASKS[name], duration=1.0)
+    task = replace(TASKS[name], duration=1.0, wait=AT_ONCE)
     plain, drawn = (ArmEnv(task, coupling="none", randomize={"load": share}) for share in (0, 0.5))
     factors = []
     for seed in range(12):
