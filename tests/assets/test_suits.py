@@ -217,7 +217,6 @@ def test_elastic_torque_and_loop_are_scaled_apart(model):
         found = drawn.steady_cycle()
         assert found.spring() == pytest.approx([spring * offset, spring * stiffness], rel=1e-6)
         assert found.dissipated == pytest.approx(loop * steady.dissipated, rel=1e-5)
-        assert drawn.apart(spring, loop, (0.0, 0.0)).model.certificate().certified
         before, after = model.certificate(), drawn.model.certificate()
         assert (after.certified, after.dissipative) == (before.certified, before.dissipative)
 

@@ -51,7 +51,7 @@ OPTIONS = [
     ({"sensors": BELIEF, "belief": {"suite": 1}}, "unknown field of belief 'suite'"),
     ({"sensors": BELIEF, "belief": 3}, r"belief is 3: give ArmConfig\(...\) or a dict"),
     # What differs between episodes.
-    ({"level": "randomised"}, "unknown level .*: use one of faults, nominal, ran"),
+    ({"level": "randomised"}, "unknown level .*: use one of beyond, faults, nominal, ran"),
     ({"level": ["shift"]}, "unknown level"),
     ({"level": "shift", "randomize": 3}, "randomize is 3: give Randomization"),
     ({"randomize": {"size": 2}}, "unknown field of randomize 'size'"),
