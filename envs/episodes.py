@@ -148,7 +148,7 @@ class Episodes:
             "suit_spring": np.ones((n, len(JOINTS))),
             "suit_loop": np.ones((n, len(JOINTS))),
         }
-        self._own: dict[str, NDArray] = {**self._judge.arrays(), **own, **self._drawn}
+        self._own: dict[str, NDArray] = {**self._judge.arrays(), **self._drawn, **own}
 
     # --- Episodes -----------------------------------------------------------------------------
 
