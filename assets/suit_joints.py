@@ -341,16 +341,41 @@ class SuitJoint(Strict):
             raise InputError(f"ratio is {ratio:g}: give a ratio of pressures, 0 or more")
         factor = (ratio - 1) * self.volume_share
         offset, stiffness = self.steady_cycle().spring()
-        offset, stiffness = factor * offset, factor * stiffness
-        changes = {
-            "model": sprung(self.model, offset, stiffness),
-            "samples": tuple(sprung(sample, offset, stiffness) for sample in self.samples),
-            "start_torque": self.start_torque + offset + stiffness * self.start_angle,
+        changes = self._with_line(factor * offset, factor * stiffness) | {
             "volume_share": ratio * self.volume_share / (1 + factor) if ratio else 0.0,
             "source": f"{self.source}; then {ratio:.3g} times the pressure, which changes "
             f"{self.volume_share:.3g} of the elastic torque",
         }
         return SuitJoint(**(dict(self) | changes))
+
+    def apart(
+        self, spring: float, loop: float, line: tuple[float, float] | None = None
+    ) -> "SuitJoint":
+        """Returns the joint with `spring` times its elastic torque and `loop` times all else.
+
+        The elastic torque is the straight line through the middle of the steady cycle over the
+        joint's range, and the line goes on outside. All else is the loop about the line, with its
+        bends, memory and friction. A line dissipates nothing, so that the certificate stays.
+        Samples get the line of the model.
+
+        Args:
+            spring: Factor of the elastic torque.
+            loop: Factor of the loop, above 0.
+            line: Torque at angle 0 [N·m] and stiffness [N·m/rad] of the elastic torque, where they
+                are known; by default those of `steady_cycle().spring()`, whose errors are possible.
+        """
+        offset, stiffness = self.steady_cycle().spring() if line is None else line
+        more = spring - loop
+        return self.model_copy(update=self._with_line(more * offset, more * stiffness, loop))
+
+    def _with_line(self, offset: float, stiffness: float, loop: float = 1.0) -> dict[str, Any]:
+        """Returns the fields of a joint with `loop` times the torque of this one, and a line."""
+        models = (self.model, *self.samples)
+        if loop != 1:
+            models = tuple(model.scaled(torque=loop) for model in models)
+        model, *samples = (sprung(one, offset, stiffness) for one in models)
+        begins = loop * self.start_torque + offset + stiffness * self.start_angle
+        return {"model": model, "samples": tuple(samples), "start_torque": begins}
 
     def scaled(self, *, torque: float) -> "SuitJoint":
         """Returns a joint with `torque` times the resistance and a note in its source."""

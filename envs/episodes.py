@@ -109,7 +109,7 @@ class Episodes:
             faults=setup.faults,
             variety=Variety(
                 wearers=setup.randomize.wearers,
-                suits=self._suits,
+                suits=tuple(base.suit for base in self._suits),
                 misalignments=setup.randomize.misalignment > 0,
                 loads=task.carries or setup.randomize.payload is not None,
                 places=bool(setup.randomize.gravity),
@@ -143,7 +143,12 @@ class Episodes:
         state = self.simulation.state
         self._counters, self._measured = state.episode, state.sensors.measured
         own = {"belief": self._belief, "belief_state": self._belief_state, "frames": self._frames}
-        self._own: dict[str, NDArray] = {**self._judge.arrays(), **own}
+        self._drawn: dict[str, NDArray] = {
+            "suit_number": np.zeros(n, np.int64),
+            "suit_spring": np.ones((n, len(JOINTS))),
+            "suit_loop": np.ones((n, len(JOINTS))),
+        }
+        self._own: dict[str, NDArray] = {**self._judge.arrays(), **self._drawn, **own}
 
     # --- Episodes -----------------------------------------------------------------------------
 
@@ -217,13 +222,15 @@ class Episodes:
         """Returns quantities of a row that no sensor measures; a read of the info computes them."""
         here = slice(row, row + 1)
         measured, sums = self._measured[here].copy(), self._score.sums[here].copy()
-        return Info(measured.item(TIME), lambda: of_row(self._report(measured, sums)))
+        drawn = {name: values[here].copy() for name, values in self._drawn.items()}
+        return Info(measured.item(TIME), lambda: of_row(self._report(measured, sums, drawn)))
 
     def report(self) -> dict[str, Any]:
         """Returns quantities that no sensor measures, as new arrays with one row for each arm."""
-        return self._report(self._measured.copy(), self._score.sums.copy())
+        drawn = {name: values.copy() for name, values in self._drawn.items()}
+        return self._report(self._measured.copy(), self._score.sums.copy(), drawn)
 
-    def _report(self, measured: Array, sums: Array) -> dict[str, Any]:
+    def _report(self, measured: Array, sums: Array, drawn: dict[str, NDArray]) -> dict[str, Any]:
         columns = self.simulation.columns.items()
         found = {name: measured[:, part] for name, part in columns if name not in SENSED}
         costs, periods, ended = sums[:, COST:PERIODS], sums[:, PERIODS], sums[:, ENDED]
@@ -234,6 +241,7 @@ class Episodes:
             "reward_terms": {name: sums[:, TERM + i] for i, name in enumerate(TERMS)},
             "cost_terms": cost_terms(costs, periods),
             "is_success": is_success(costs, periods, self.task, ended=ended),
+            **drawn,
         }
 
     @property
@@ -352,7 +360,9 @@ class Episodes:
             self._watch.watched[row] = False if plan.watched is None else plan.watched
             self._watch.hand_places[row] = places
         suit = terms.suit_of(self._suits, streams)
-        return Start(plan=plan, suit=suit, wearer=wearer, **terms.drawn(streams))
+        for values, drawn in zip(self._drawn.values(), suit[1:], strict=True):
+            values[row] = drawn
+        return Start(plan=plan, suit=suit.joints, wearer=wearer, **terms.drawn(streams))
 
     def _plan(self, rng: np.random.Generator, wearer: int = 0) -> Plan:
         simulation = self.simulation

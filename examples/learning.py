@@ -7,7 +7,7 @@ learn, on the same motions.
 Each training is a run of `activesuit train`. Ten times its policy is scored by the relief of
 adapted wearers in eight motions (the curves of the figure), and the best policy is kept. The table
 has the relief of the kept policies in 20 other motions: the interquartile mean over trainings, with
-its 95 % interval from five trainings on.
+its 95 % interval from five trainings on. What trains at level randomized is tested at level unseen.
 
 A correction begins with what compensation knows, and so needs few steps. A network alone needs more
 steps than this small part of the study has. The whole study takes many hours; trainings and
@@ -58,6 +58,7 @@ BESIDE = {  # policies that do not learn, with color and line
     "best-known-plan": ("0.2", ":"),
 }
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b")
+TESTED_AT = {"randomized": "unseen"}  # levels of tests, where they are not those of the training
 TESTED = range(FIRST_SEED, FIRST_SEED + 20)
 IN_TRAINING = range(FIRST, FIRST + MOTIONS)
 
@@ -130,14 +131,15 @@ class Study:
         program = [sys.executable, "-m", "activesuit.scripts.main", "train"]
         subprocess.run([*program, *map(str, options)], check=True, stdout=subprocess.DEVNULL)
         for seed in left:
-            found = tested(f"{out / f'seed-{seed}'}", task, level, TESTED)
+            folder = f"{out / f'seed-{seed}'}"
+            found = tested(folder, task, TESTED_AT.get(level, level), TESTED)
             self.add(Row(task, level, way, steps, seed, *found, np.nan))
 
     def compare(self, task: str, level: str, policies: Sequence[str]) -> None:
         """Tests policies that do not learn."""
         for name in policies:
             if (task, level, name, 0, 0) not in self.rows:
-                found = tested(name, task, level, TESTED)
+                found = tested(name, task, TESTED_AT.get(level, level), TESTED)
                 before = tested(name, task, level, IN_TRAINING)[0]
                 self.add(Row(task, level, name, 0, 0, *found, before))
 

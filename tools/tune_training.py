@@ -1,8 +1,8 @@
 """Tunes the shipped hyperparameters: `python -m activesuit.tools.tune_training --algo ppo`.
 
 Optuna (Akiba et al. 2019, KDD) maximizes the relief of adapted wearers in the second half of two
-short trainings: a policy that acts alone, on Earth, and a correction of a compensation that
-believes another suit. The first half of the trials is random, and TPE chooses the others. The
+short trainings: a policy that acts alone, on Earth, and a correction of compensation in drawn
+suits. The first half of the trials is random, and TPE chooses the others. The
 trials are kept in a file, so that the same command goes on. The result
 is a table in docs/measured; the shipped files are changed by hand, with its numbers.
 """
@@ -30,7 +30,7 @@ SHOWN = 5  # trials in the table
 WORST = -2.0  # relief of a training that loses arms
 CASES: dict[str, dict[str, Any]] = {
     "alone": {},
-    "correction": {"level": "shift", "residual": "compensation:suit=mock-suit"},
+    "correction": {"level": "randomized", "residual": "compensation:suit=mock-suit"},
 }
 ON_POLICY = ("ppo", "recurrent-ppo")
 

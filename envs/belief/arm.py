@@ -80,14 +80,16 @@ class BelievedArm:
         """Joints that the believed suit resists."""
         return resisting_joints(self.config)
 
-    def suit(self) -> BelievedSuit:
-        """Returns a follower of the suit's torque, with the resolution of the encoders."""
+    def suit(self, gain: float = 1.0) -> BelievedSuit:
+        """Returns a follower of `gain` times the suit's torque, with the encoders' resolution."""
         joints = self.joints
         if self._given and not any(joint in joints for joint in ASSISTED):
             raise InputError(
                 f"the believed suit has the joints {', '.join(joints) or '(none)'}, and neither "
                 f"{' nor '.join(ASSISTED)}, which have motors: believe in a suit that has one"
             )
+        if gain != 1:
+            joints = {name: entry.scaled(torque=gain) for name, entry in joints.items()}
         return BelievedSuit(joints, count_of(self.config.exo.encoder_bits), self._dt)
 
     def model(self) -> mujoco.MjModel:

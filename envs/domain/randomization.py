@@ -1,13 +1,14 @@
 """Differences between episodes beside the motion: suit, pressure, fit on the arm, and others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
+from ...arrays import Array
 from ...assets import JOINTS, Suit, SuitJoint
-from ...checks import pair
+from ...checks import pair, within
 from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig, Payload, suit_of_config
 from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
@@ -20,9 +21,42 @@ LARGEST_SHARE = 0.5
 LARGEST_OFFSET = 0.2  # rad
 MOST_CYCLES = 1e6
 LOUDEST = 100.0  # greatest factor of the noise of sensors
+FACTORS = (0.05, 20.0)  # least and greatest factor of a part of a suit's torque
+SPREAD = 0.15  # standard deviation of the logarithm of a joint's factor about that of its suit
+OF_SUIT = ("suit", "suits", "spring", "loop", "pressure", "cycles")
+"""Terms that need a suit."""
 
 Streams = Callable[[str], np.random.Generator]
 """The random generator of each purpose in one episode."""
+
+
+class Base(NamedTuple):
+    """A suit of which suits are drawn.
+
+    Attributes:
+        suit: The suit, at its operating pressure.
+        lines: Elastic torque of the joints in which it is drawn apart: torque at angle 0 [N·m] and
+            stiffness [N·m/rad], by joint.
+    """
+
+    suit: Suit
+    lines: Mapping[str, tuple[float, float]]
+
+
+class DrawnSuit(NamedTuple):
+    """The suit of an episode.
+
+    Attributes:
+        joints: Its joints by name; None stands for the suit of the configuration.
+        number: Number of the suit of `suits` of which it is drawn.
+        spring: Factor of the elastic torque of each joint, shape (4,).
+        loop: Factor of the loop about it, shape (4,).
+    """
+
+    joints: Mapping[str, SuitJoint] | None
+    number: int
+    spring: Array
+    loop: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +70,15 @@ class Randomization:
             own or one of its `samples`, which the identification found plausible too).
         suits: Names or files of suits, of which one is drawn, also of different models; an empty
             list is the suit of the configuration.
+        spring: Least and greatest factor of the suit's elastic torque, 0.05 to 20, or the ends of
+            several ranges, of which one is drawn: (0.4, 0.7, 2.5, 4.0). The elastic torque of a
+            joint is the straight line through its steady cycle. One factor of a suit is log-uniform
+            in the range, since one cut and one pressure make all joints; each joint differs from it
+            by 15 % (standard deviation), and stays in the range. Empty is 1.
+        loop: The same of the loop about that line, with factors of its own.
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque, or
             the gas's part of it where `volume_share` is known, is multiplied by a number between
-            1 - pressure and 1 + pressure.
+            1 - pressure and 1 + pressure, beside `spring` and `loop`.
         cycles: Least and greatest number of cycles that the suit has gone through, up to a million,
             for joints whose file gives their softening; None is the first cycle, or many of a suit
             that is preconditioned. The torque does not soften within an episode.
@@ -58,6 +98,8 @@ class Randomization:
 
     suit: SuitChoice = "nominal"
     suits: tuple[str, ...] = ()
+    spring: tuple[float, ...] = ()
+    loop: tuple[float, ...] = ()
     pressure: float = setting(0.0, "1", 0, LARGEST_SHARE)
     cycles: tuple[float, float] | None = None
     load: float = setting(0.0, "1", 0, LARGEST_SHARE)
@@ -80,6 +122,8 @@ class Randomization:
             given = getattr(self, name)
             if given is not None:
                 object.__setattr__(self, name, pair(f"randomize.{name}", given, 0, most, unit))
+        for name in ("spring", "loop"):
+            object.__setattr__(self, name, _ranges(f"randomize.{name}", getattr(self, name)))
         for name, example in (
             ("gravity", "of places, such as ['earth', 'moon']"),
             ("suits", "of suits, such as ['mock-suit', 'emu-like']"),
@@ -106,10 +150,10 @@ class Randomization:
     @property
     def changes_suit(self) -> bool:
         """Whether rows may have other suits than the compiled one."""
-        drawn = self.suit != "nominal" or bool(self.suits)
-        return drawn or self.pressure > 0 or self.cycles is not None
+        usual = Randomization()
+        return any(getattr(self, name) != getattr(usual, name) for name in OF_SUIT)
 
-    def suits_for(self, config: ArmConfig) -> tuple[Suit, ...]:
+    def suits_for(self, config: ArmConfig) -> tuple[Base, ...]:
         """Returns the suits of which one is drawn in each episode, at their pressures."""
         if self.misalignment > 0 and config.coupling != "cuffs":
             raise InputError(
@@ -121,7 +165,8 @@ class Randomization:
             return ()
         if config.suit == NO_SUIT:
             raise InputError(
-                "randomize has a suit, its pressure or cycles, and suit is 'none': name a suit"
+                "randomize has a suit, its factors, pressure or cycles, and suit is 'none': name a "
+                "suit"
             )
         found = [
             suit_of_config(replace(config, suit=suit)) for suit in self.suits or (config.suit,)
@@ -138,30 +183,48 @@ class Randomization:
                 f"randomize.cycles is {list(self.cycles)}, and no joint of the suit has a "
                 "softening: add it to the suit file, or leave cycles out"
             )
-        return suits
+        return tuple(map(self._base, suits))
 
-    def suit_of(self, suits: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
-        """Returns the suit of an episode, by joint; None for the suit of the configuration."""
-        if not suits:
-            return None
-        number = int(streams("suits").integers(len(suits))) if self.suits else 0
-        found: dict[str, SuitJoint] = dict(suits[number].joints)
-        if self.suit == "samples":
-            rng = streams("suit")
-            for joint in JOINTS:  # draws without a choice too, so that joints are independent
-                draw = rng.random()
-                if joint in found:
-                    entry = found[joint]
-                    models = (entry.model, *entry.samples)
-                    model = models[int(draw * len(models))]
-                    found[joint] = entry.model_copy(update={"model": model})
-        if self.cycles is not None:
-            count = float(streams("cycles").uniform(*self.cycles))
-            found = {joint: entry.after(count) for joint, entry in found.items()}
+    def _base(self, suit: Suit) -> Base:
+        """Returns a suit whose models have the layout of all suits that are drawn of it."""
+        lines, joints = {}, dict(suit.joints)
+        for joint, entry in suit.joints.items():
+            gas = self.pressure > 0 and entry.volume_share is not None
+            if self.spring or self.loop or gas:
+                lines[joint] = entry.steady_cycle().spring()
+                joints[joint] = entry.apart(1.0, 1.0, lines[joint])
+        return Base(suit.model_copy(update={"joints": joints}), lines)
+
+    def suit_of(self, bases: Sequence[Base], streams: Streams) -> DrawnSuit:
+        """Returns the suit of an episode."""
+        spring, loop = (
+            _factors(ranges, streams(name)) if ranges else np.ones(len(JOINTS))
+            for name, ranges in (("spring", self.spring), ("loop", self.loop))
+        )
+        if not bases:
+            return DrawnSuit(None, 0, spring, loop)
+        number = int(streams("suits").integers(len(bases))) if self.suits else 0
+        (suit, lines), found = bases[number], dict[str, SuitJoint]()
+        pressure, samples = 1.0, streams("suit") if self.suit == "samples" else None
         if self.pressure > 0:
-            factor = 1 + self.pressure * streams("pressure").uniform(-1, 1)
-            found = {joint: _scaled(entry, factor) for joint, entry in found.items()}
-        return found
+            pressure = 1 + self.pressure * streams("pressure").uniform(-1, 1)
+        count = None if self.cycles is None else float(streams("cycles").uniform(*self.cycles))
+        for i, joint in enumerate(JOINTS):
+            draw = samples.random() if samples else 0.0  # draws for joints without a choice, too
+            if joint not in suit.joints:
+                continue
+            entry = suit.joints[joint]
+            models, gas = (entry.model, *entry.samples), entry.volume_share
+            drawn = {"model": models[int(draw * len(models))], "samples": ()}
+            entry = entry.model_copy(update=drawn)
+            spring[i] *= pressure if gas is None else 1 + gas * (pressure - 1)
+            loop[i] *= pressure if gas is None else 1.0
+            if joint in lines:
+                entry = entry.apart(spring[i], loop[i], lines[joint])
+            elif pressure != 1:
+                entry = _scaled(entry, pressure)
+            found[joint] = entry if count is None else entry.after(count)
+        return DrawnSuit(found, number, spring, loop)
 
     def loaded(self, plan: Plan, streams: Streams) -> Plan:
         """Returns a plan with the loads of an episode."""
@@ -204,7 +267,27 @@ class Randomization:
 
 
 def _scaled(entry: SuitJoint, factor: float) -> SuitJoint:
-    if entry.volume_share is not None:
-        return entry.at_pressure_ratio(factor)
     model, start = entry.model.scaled(torque=factor), factor * entry.start_torque
     return entry.model_copy(update={"model": model, "start_torque": start})
+
+
+def _factors(ranges: Sequence[float], rng: np.random.Generator) -> Array:
+    """Returns the factors of the joints of one suit, shape (4,), in one of the ranges."""
+    number = 2 * int(rng.integers(len(ranges) // 2))
+    low, high = np.log(ranges[number : number + 2])
+    each = rng.uniform(low, high) + SPREAD * rng.standard_normal(len(JOINTS))
+    return np.exp(np.clip(each, low, high))
+
+
+def _ranges(name: str, given: Any) -> tuple[float, ...]:
+    """Returns the ends of ranges of factors; an empty list is no range."""
+    if not isinstance(given, list | tuple) or len(given) % 2:
+        raise InputError(
+            f"{name} is {shown(given)}: give the least and the greatest factor, such as "
+            "[0.7, 2.5], or the ends of several ranges, such as [0.4, 0.7, 2.5, 4.0]"
+        )
+    for value in given:
+        within(name, value, *FACTORS)
+    if list(given) != sorted(given):
+        raise InputError(f"{name} is {shown(given)}: give the ends in ascending order")
+    return tuple(map(float, given))

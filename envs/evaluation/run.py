@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ...errors import InputError, unknown_name
-from ..domain.randomization import Randomization
+from ..domain.randomization import OF_SUIT, Randomization
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
@@ -81,7 +81,7 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
     without, dropped = _EXO, {"misalignment", "sensor_noise", "encoder_offset"}
     if reference == "unsuited":
         without += ("suit", "pressure", "preconditioned", "allow_uncertified")
-        dropped |= {"suit", "suits", "pressure"}
+        dropped |= {*OF_SUIT}
     kept = {name: value for name, value in options.items() if name not in without}
     if reference == "unsuited":
         kept["suit"] = NO_SUIT

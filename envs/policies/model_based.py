@@ -25,6 +25,7 @@ _VALUE = values_of(PROVENANCE)
 SHARE = _VALUE["friction.share"]
 TURNING = _VALUE["friction.turning_rate"]  # rad/s
 LONGEST_LEAD = 0.2  # s
+GAINS = (0.05, 20.0)  # least and greatest factor of a believed torque
 
 
 class Friction:
@@ -132,7 +133,11 @@ class Transparent(ModelBased):
 class Compensation(ModelBased):
     """Carries the weight of arm, suit, exoskeleton and load, and cancels suit and friction.
 
-    Law: gravity, feedforward and the motors' friction together. Tuning: as of its parts.
+    Law: gravity, feedforward and the motors' friction together. Tuning: as of its parts, and the
+    gain by the least effort of wearers in suits that differ from the believed one.
+
+    Args:
+        gain: Factor of the believed suit's torque, 0.05 to 20.
     """
 
     weight_of = staticmethod(BelievedArm.whole_weight)
@@ -142,11 +147,13 @@ class Compensation(ModelBased):
         plant: Plant,
         belief: Belief | None = None,
         *,
+        gain: float = 1.0,
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
+        within("gain", gain, *GAINS)
         arm = plant.believed(belief)
-        weight, suit = self.weight_of(arm), arm.suit()
+        weight, suit = self.weight_of(arm), arm.suit(gain)
         super().__init__(plant, weight=weight, suit=suit, friction=friction, lead=lead)
 
 

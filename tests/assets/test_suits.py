@@ -198,6 +198,28 @@ def test_a_volume_share_changes_the_elastic_torque_alone(model):
     assert (np.diff(pushed, axis=0) > 0).all()
 
 
+@pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
+def test_elastic_torque_and_loop_are_scaled_apart(model):
+    joint = joint_of(model, samples=(model,))
+    cycle = sweep(0.5, 1.2, 0.2, 1.0)
+    own, steady = joint.response(cycle), joint.steady_cycle()
+    offset, stiffness = steady.spring()
+    line = offset + stiffness * cycle
+    for spring, loop in ((0.4, 2.5), (2.5, 0.4), (1.3, 1.3)):
+        drawn = joint.apart(spring, loop)
+        np.testing.assert_allclose(
+            drawn.response(cycle), spring * line + loop * (own - line), atol=1e-9
+        )
+        np.testing.assert_array_equal(
+            drawn.response(cycle, drawn.samples[0]), drawn.response(cycle)
+        )
+        found = drawn.steady_cycle()
+        assert found.spring() == pytest.approx([spring * offset, spring * stiffness], rel=1e-6)
+        assert found.dissipated == pytest.approx(loop * steady.dissipated, rel=1e-5)
+        before, after = model.certificate(), drawn.model.certificate()
+        assert (after.certified, after.dissipative) == (before.certified, before.dissipative)
+
+
 def test_pressures_add_up_and_leave_the_structure():
     joint = joint_of(SAFE, volume_share=0.7)
     cycle = sweep(0.5, 1.2, 0.2, 1.0)

@@ -1,5 +1,6 @@
 """What differs from episode to episode: drawn by seed, and each term for itself."""
 
+import pickle
 from itertools import product
 
 import numpy as np
@@ -130,6 +131,80 @@ def test_no_misalignment_in_the_range_loses_an_arm_at_once():
         assert not ended.any()
 
 
+APART = {"spring": [0.5, 2.0], "loop": [0.4, 0.7, 2.5, 4.0]}
+
+
+def drawn_suits(arms, seeds):
+    """Returns factors of springs and loops, shape (seeds, 4) each."""
+    found = []
+    for first in range(0, seeds, arms.num_envs):
+        _, info = arms.reset(seed=first)
+        found.append((info["suit_spring"], info["suit_loop"]))
+    return (np.concatenate(one) for one in zip(*found, strict=True))
+
+
+def test_every_seed_draws_a_suit_of_its_own_in_the_ranges():
+    arms = ArmEnv(randomize=APART).rows(50, info="full")
+    spring, loop = drawn_suits(arms, 400)
+    assert len({*map(tuple, np.hstack([spring, loop]).tolist())}) == 400
+    assert (0.5 - 1e-12 <= spring).all() and (spring <= 2 + 1e-12).all()
+    low = loop < 1
+    assert (0.4 - 1e-12 <= loop[low]).all() and (loop[low] <= 0.7 + 1e-12).all()
+    assert (2.5 - 1e-12 <= loop[~low]).all() and (loop[~low] <= 4 + 1e-12).all()
+    assert (low.all(axis=1) | ~low.any(axis=1)).all()  # all joints of a suit are in one range
+    assert 0.4 < low.mean() < 0.6
+    common = np.median(np.log(spring), axis=1)
+    for part in np.quantile(common, [0.25, 0.5, 0.75]), np.log([0.5**0.5, 1, 2**0.5]):
+        np.testing.assert_allclose(part, [-0.35, 0.0, 0.35], atol=0.12)  # log-uniform
+    inside = (spring.min(axis=1) > 0.6) & (spring.max(axis=1) < 1.7)
+    spread = np.log(spring[inside]).std(axis=1, ddof=1)
+    assert 0.12 < np.sqrt(np.mean(spread**2)) < 0.17
+    assert abs(np.corrcoef(common, low.any(axis=1))[0, 1]) < 0.15  # each for itself
+
+
+@pytest.mark.parametrize("suit", ["mock-suit", "emu-like"])
+def test_drawn_suits_have_the_elastic_torque_and_the_loop_that_info_tells(suit):
+    env = ArmEnv(suit=suit, randomize={**APART, "pressure": 0.5})
+    own, shares = load_suit(suit).joints, []
+    for seed in range(4):
+        _, info = env.reset(seed=seed)
+        for i, joint in enumerate(JOINTS):
+            cycle, drawn = own[joint].steady_cycle(), env.episodes._start(0).suit[joint]
+            found = drawn.steady_cycle()
+            stiffness = info["suit_spring"][i] * cycle.spring()[1]
+            assert found.spring()[1] == pytest.approx(stiffness, rel=1e-5)
+            lost = info["suit_loop"][i] * cycle.dissipated
+            assert found.dissipated == pytest.approx(lost, rel=1e-5)
+            torque = -drawn.response([info["angle"][i]])[0]
+            assert info["suit_torque"][i] == pytest.approx(torque, abs=1e-9)
+        shares.append(
+            info["suit_loop"] / ArmEnv(suit=suit, randomize=APART).reset(seed=seed)[1]["suit_loop"]
+        )
+    # Pressure is another factor: of the whole torque, or of the gas's share of the elastic torque.
+    assert (np.ptp(shares, axis=0) > 0.1).all() == (suit == "mock-suit")
+
+
+def test_drawn_suits_are_saved_copied_and_the_same_in_any_row():
+    arms = ArmEnv(level="unseen").rows(6, info="full")
+    arms.reset(seed=[3, 1, 4, 1, 5, 9])
+    actions = np.random.default_rng(0).uniform(-0.3, 0.3, (60, 6, 2))
+    for action in actions[:20]:
+        arms.step(action)
+    copies = [pickle.loads(pickle.dumps(arms)), ArmEnv(level="unseen").rows(6, info="full")]
+    copies[1].set_state(arms.get_state())
+    whole = reported(arms, actions[20:])
+    for other in copies:
+        found = reported(other, actions[20:])
+        for name in ("angle", "suit_torque", "suit_spring", "suit_loop"):
+            np.testing.assert_array_equal(found[name], whole[name])
+    alone = ArmEnv(level="unseen")
+    for row, seed in enumerate([3, 1, 4, 1, 5, 9]):
+        alone.reset(seed=seed)
+        found = reported(alone, actions[:, row])
+        for name in ("angle", "suit_torque", "suit_spring", "suit_loop"):
+            np.testing.assert_array_equal(found[name][20:], whole[name][:, row])
+
+
 def wardrobe():
     """Suits whose models are of another kind, or are at fewer joints."""
     own = load_suit("mock-suit")
@@ -242,9 +317,27 @@ def test_levels_differ_and_nominal_is_the_default():
     states = {level: play(ArmEnv(level=level), 1) for level in LEVELS}
     assert_same(states["nominal"], play(ArmEnv(), 1))
     one, other = (states[level][0]["physics"] for level in ("nominal", "randomized"))
-    assert one.shape == other.shape and not np.array_equal(one, other)
-    for level in ("randomized", "shift", "faults"):  # the motion is the same at each
+    assert not np.array_equal(one, other)
+    for level in LEVELS.keys() - {"nominal"}:  # the motion is the same at each
         np.testing.assert_array_equal(states["nominal"][0]["angle"], states[level][0]["angle"])
+
+
+def test_unseen_suits_have_another_shape_the_same_size_and_other_persons():
+    seen, unseen, beyond = (
+        LEVELS[name]["randomize"] for name in ("randomized", "unseen", "beyond")
+    )
+    assert not any(person in seen["wearers"] for person in unseen["wearers"])
+    assert unseen["wearers"] == beyond["wearers"]
+    env = ArmEnv(level="unseen")
+    assert env.config.suit == "mock-suit"  # which controllers believe
+    mock, other = (load_suit(name).joints["elbow_flexion"] for name in ("mock-suit", "emu-like"))
+    size = other.model.Ms / mock.model.Ms
+    for name in ("spring", "loop"):
+        np.testing.assert_allclose(np.multiply(unseen[name], size), seen[name], rtol=0.01)
+        (_, low, high, _), inside = np.multiply(beyond[name], size), seen[name]
+        np.testing.assert_allclose([low, high], inside, rtol=0.01)
+    terms = seen.keys() - {"spring", "loop", "wearers"}
+    assert {name: unseen[name] for name in terms} == {name: seen[name] for name in terms}
 
 
 def test_options_that_are_given_win():
@@ -281,7 +374,7 @@ def test_what_a_level_says_of_what_is_not_there_does_not_count(level):
         if coupling != "cuffs":
             assert "misalignment" not in terms
         if suit == "none":
-            assert "pressure" not in terms
+            assert not terms.keys() & {"pressure", "spring", "loop", "suits"}
             assert not options.keys() & {"pressure", "preconditioned"}
         ArmEnv(**options).reset(seed=0)  # no check refuses it
 

@@ -172,10 +172,10 @@ def test_references_have_the_same_wearer_but_no_exoskeleton():
     options = {
         **{"suit": "emu-like", "pressure": 0.5, "coupling": "cuffs", "gravity": "moon"},
         **{"misalignment": (0.01, 0, 0), "payload": {"mass": 2.0}, "sensors": ["cuffs"]},
-        "randomize": {"misalignment": 0.02, "payload": [0, 3], "pressure": 0.2},
+        "randomize": {"misalignment": 0.02, "payload": [0, 3], "loop": [1, 2], "pressure": 0.2},
     }
     kept = {"gravity": "moon", "payload": {"mass": 2.0}, "coupling": "none"}
-    drawn = {"payload": [0, 3], "pressure": 0.2}
+    drawn = {"payload": [0, 3], "loop": [1, 2], "pressure": 0.2}
     suited = {**kept, "suit": "emu-like", "pressure": 0.5, "randomize": drawn}
     assert reference_options("suited", options) == suited
     unsuited = {**kept, "suit": "none", "randomize": {"payload": [0, 3]}}

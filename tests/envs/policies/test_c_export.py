@@ -68,6 +68,7 @@ def observations(samples=2000):
 CASES = {
     **{name: (name, {}) for name in ("transparent", "gravity", "feedforward", "complement")},
     "compensation": ("compensation:lead=0.03,friction=0.5,wearer.mass=65", {}),
+    "compensation, gain": ("compensation:gain=1.7", {"suit": rich_suit()}),
     "compensation, moon, load": ("compensation", {"gravity": "moon", "payload": {"mass": 3.0}}),
     "compensation, cuffs": ("compensation", {"coupling": "cuffs", "side": "left", "suit": "none"}),
     "compensation, play and damping": ("compensation", {"suit": rich_suit()}),

@@ -18,6 +18,7 @@ from activesuit.envs.policies.adaptive import SCALES, learned
 from activesuit.envs.policies.guard import RESERVE, lessen, updated_ledger
 from activesuit.envs.policies.observers import CorrectedCompensation, MomentumObserver
 from activesuit.envs.simulation.state import PREVIEW
+from activesuit.envs.vector_env import ArmVectorEnv
 from shown import asked, made
 
 
@@ -299,6 +300,20 @@ def test_a_disturbance_is_cancelled_through_the_filter():
         phase = math.tau * bandwidth * 0.01 * period
         whole = (1 - (1 + phase) * math.exp(-phase)) * np.array([2, -1])
         np.testing.assert_allclose(torque, whole, rtol=1e-5)
+
+
+def test_a_gain_multiplies_the_believed_suit_alone():
+    arms = ArmVectorEnv(2, gravity="earth")
+    names = ("compensation", "compensation:gain=2.5", "feedforward")
+    policies = [make_policy(name, arms) for name in names]
+    observation, _ = arms.reset(seed=[0, 1])
+    for policy in policies:
+        policy.reset()
+    for _ in range(120):
+        plain, more, suit = (policy.act(observation) for policy in policies)
+        np.testing.assert_allclose(more, np.clip(plain + 1.5 * suit, -1, 1), atol=1e-9)
+        observation, *_ = arms.step(plain)
+    assert np.abs(suit).max() > 0.02
 
 
 def test_what_the_believed_arm_explains_is_no_disturbance():

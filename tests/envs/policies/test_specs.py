@@ -136,6 +136,7 @@ def test_mistakes_in_what_names_a_policy(outside):
 
 def test_mistakes_in_what_makes_one(outside):
     rows = [
+        ("compensation:gain=0", "gain is 0.0: use a number from 0.05 to 20"),
         ("compensation:load=90", "the believed load is 90.0: use a number from 0 to 60 kg"),
         ("compensation:suit=nosuit", "unknown suit 'nosuit'"),
         ("adaptive", r"policy 'adaptive' needs the sensors encoders, interaction"),
