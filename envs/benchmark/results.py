@@ -20,7 +20,7 @@ from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
 from ..domain.levels import LEVELS
-from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation import BOUNDS, REFERENCES
 from ..evaluation.reasons import Frequent, most_frequent
 from ..evaluation.run import run
 from ..tasks import TASKS
@@ -59,12 +59,14 @@ class Result:
     success: tuple[bool, ...]  # whether the motion exceeded no limit of success
     failed: str | None  # reason why the policy could not act
     protocol: dict[str, Any]  # version, contract, seeds, motions and packages of the run
+    motion: tuple[int, ...] = ()  # number of the first motion with the same intention
+    chatter: tuple[Kept, ...] = ()  # root mean square change of the action per control period
     why: tuple[Frequent, ...] = ()  # exceeded limits of success, the most frequent first
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
         content = asdict(self)
-        for name in SIZES:
+        for name in (*SIZES, "chatter"):
             content[name] = [value if math.isfinite(value) else None for value in content[name]]
         return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
 
@@ -83,7 +85,9 @@ class Result:
         for what, one, known in (("task", found.task, TASKS), ("level", found.level, LEVELS)):
             if one not in known:
                 raise InputError(f"{name} has the {what} {shown(one)}: delete it")
-        if len({len(getattr(found, series)) for series in SERIES}) > 1:
+        lengths = {len(getattr(found, series)) for series in SERIES}
+        more = {len(found.motion), len(found.chatter)} - {0}  # absent in results of 0.2
+        if len(lengths | more) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
         said, motions = found.protocol.get("episodes"), len(found.effort)
         if said not in (None, motions):
@@ -147,7 +151,8 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     If the policy cannot act, every motion is failed, and the result has the reason.
     """
     episodes, name = suite.motions_of(trial.policy), trial.policy.name
-    env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
+    seeds = range(suite.first_seed, suite.first_seed + episodes)
+    env = f"ActiveSuit/{trial.setting.task}-v0"
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
     found: dict[str, Any] = {"failed": None}
     try:
@@ -159,6 +164,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     else:
         found |= {size: tuple(map(_rounded, getattr(score, size))) for size in SIZES}
         found |= {"success": score.success, "why": most_frequent(score.why)}
+        found |= {"motion": score.motion, "chatter": tuple(map(_rounded, score.costs["chatter"]))}
     return Result(
         **trial.setting._asdict(),
         policy=trial.label,

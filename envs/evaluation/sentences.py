@@ -41,6 +41,21 @@ _WORDS = {
 }
 
 
+def motion_remarks(found: "Evaluation") -> Iterator[str]:
+    """Yields a sentence about a drawn seed, and one about motions that are the same."""
+    if found.drawn:
+        yield (
+            f"the motions have the seeds from {found.first_seed}, drawn after the policies were "
+            f"given; seed {found.first_seed} repeats them"
+        )
+    score = next(iter(found.scores.values()))
+    if score.distinct < len(score.motion):
+        yield (
+            f"{len(score.motion)} motions are {score.distinct} different ones: intervals are over "
+            "these"
+        )
+
+
 def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
     """Yields a sentence for each policy with failed motions, frequent reasons first.
 
