@@ -21,8 +21,10 @@ from ...files import content_of
 from ...json_files import parse_json
 from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, REFERENCES
+from ..evaluation.compare import least_effort
 from ..evaluation.reasons import Frequent, most_frequent
-from ..evaluation.run import run
+from ..evaluation.run import Run, Runnable, run
+from ..policies import policy_spec
 from ..tasks import TASKS
 from .suites import Suite, Trial
 
@@ -35,6 +37,8 @@ LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
 DIGITS = 6  # significant digits of efforts and errors
+HOT = 0.99  # load of a motor, over the continuous torque, from which heat is the limit
+BEGINS = ("compensation", "observer")  # policies from whose torques the plan begins there
 SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
@@ -60,7 +64,7 @@ class Result:
     failed: str | None  # reason why the policy could not act
     protocol: dict[str, Any]  # version, contract, seeds, motions and packages of the run
     motion: tuple[int, ...] = ()  # number of the first motion with the same intention
-    chatter: tuple[Kept, ...] = ()  # root mean square change of the action per control period
+    chatter: tuple[Kept, ...] = ()  # sum of the squared changes of the action
     why: tuple[Frequent, ...] = ()  # exceeded limits of success, the most frequent first
 
     def to_json(self) -> str:
@@ -157,7 +161,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     found: dict[str, Any] = {"failed": None}
     try:
         options = suite.environment(trial.setting)
-        score = run(trial.label, given, env, seeds, threads=1, **options).score
+        score = _run(trial.label, given, env, seeds, threads=1, **options).score
     except InputError as error:
         found = dict.fromkeys(SIZES, (math.inf,) * episodes)
         found |= {"success": (False,) * episodes, "failed": str(error)}
@@ -172,6 +176,15 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         protocol=suite.protocol(trial.policy),
         **found,
     )
+
+
+def _run(name: str, given: Runnable, env: str, seeds: range, **options: Any) -> Run:
+    """Runs a policy; where motors are hot the best known plan begins from policies, too."""
+    found = run(name, given, env, seeds, **options)
+    if given != BOUNDS[1] or max(found.score.costs["heat"]) < HOT:
+        return found
+    begins = [run(one, policy_spec(one), env, seeds, **options).traces for one in BEGINS]
+    return run(name, given, env, seeds, rivals=least_effort(begins), **options)
 
 
 def _rounded(value: float) -> float:

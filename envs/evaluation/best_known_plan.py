@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...assets import JOINTS
@@ -229,7 +228,11 @@ class _Planner:
 
 
 def rationed(
-    wanted: Array, motor: Motor, dt: float, strength: ArrayLike = 1.0, opposed: ArrayLike = 0.0
+    wanted: Array,
+    motor: Motor,
+    dt: float,
+    strength: Array | float = 1.0,
+    opposed: Array | float = 0.0,
 ) -> Array:
     """Returns the possible torque of a motor that leaves the wearer the least effort [N·m].
 
@@ -259,8 +262,8 @@ def rationed(
     def scarcity(prices: Array) -> Array:
         return remembered(prices[::-1])[::-1]
 
-    weight = np.square(np.mean(strength) / np.asarray(strength))
-    size, load = np.abs(wanted), np.abs(wanted) + np.asarray(opposed)
+    weight = np.square(np.mean(strength) / strength)
+    size, load = np.abs(wanted), np.abs(wanted) + opposed
 
     def given(scarce: Array) -> Array:
         return np.minimum(np.minimum(size, load / (1 + scarce / weight)), motor.peak_torque)

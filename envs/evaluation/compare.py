@@ -40,6 +40,7 @@ class Evaluation:
         traces: Motions by the same names.
         first_seed: Seed of the first motion.
         drawn: Whether that seed was drawn after the policies were given.
+        apart: Whether policies of the user had processes of their own, or there were none.
         extras: Scores of extras, by the name of the score and then by the same names.
     """
 
@@ -48,6 +49,7 @@ class Evaluation:
     traces: Mapping[str, list[Trace]] = field(repr=False)
     first_seed: int
     drawn: bool = False
+    apart: bool = True
     extras: Mapping[str, Mapping[str, Scored]] = field(default_factory=dict, repr=False)
 
     @property
@@ -127,6 +129,7 @@ class Evaluation:
             "adapted": self.adapted,
             "seed": self.first_seed,
             "seed_drawn": self.drawn,
+            "apart": self.apart,
             "suit_cost": cost and cost.to_dict(),
             "scores": found,
         }
@@ -187,6 +190,7 @@ def evaluate(
     references: bool = True,
     adapted: bool = True,
     scores: Sequence[str] = (),
+    apart: bool = True,
     on_policy: OnPolicy | None = None,
     **env_options: Any,
 ) -> Evaluation:
@@ -210,6 +214,9 @@ def evaluate(
         adapted: Whether wearers have learned the motions. The scores then have the effort of
             wearers who have not learned as `unadapted_effort`.
         scores: Names of further scores of the motions, from extras, such as "muscles".
+        apart: Whether each motion of each rollout of your own policies has a process of its own,
+            which can leave no message to later ones. Without, as for a policy that talks to a
+            device, the policies run here, do not practice, and the result says so.
         on_policy: Function that is called with name and motions of each policy after its motions,
             and again after each further score.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
@@ -220,6 +227,7 @@ def evaluate(
     first = check_seed(seed) if seed is not None else drawn_seed() if drawn else FIRST_SEED
     flag("references", references)
     flag("adapted", adapted)
+    flag("apart", apart)
     if on_policy is not None and not callable(on_policy):
         raise InputError(f"on_policy is {shown(on_policy)}: give a function of name and motions")
     refuse_old_names(env_options, {"settled": "adapted"})
@@ -240,10 +248,11 @@ def evaluate(
     scale, found = None, {}
     before = reversed(REFERENCES) if references else ()
     for name in (*before, *sorted(named, key=lambda name: name == BOUNDS[1])):  # that bound last
-        rivals = _least([found[other].traces for other in named if other in found])
+        rivals = least_effort([found[other].traces for other in named if other in found])
         one = run(
             *(name, named.get(name, name), env_id, range(first, first + motions)),
             rivals=rivals if name == BOUNDS[1] else (),
+            apart=apart,
             **{**env_options, "adapted": adapted, "unadapted": True, "effort_scale": scale},
         )
         if name in REFERENCES:
@@ -257,7 +266,8 @@ def evaluate(
     traces = {name: found[name].traces for name in order}
     extras = {name: _scored(name, traces, on_policy) for name in scores}
     scored = {name: found[name].score for name in order}
-    return Evaluation(scored, adapted, traces, first, drawn, extras)
+    alone = apart or not any(map(is_own, named.values()))
+    return Evaluation(scored, adapted, traces, first, drawn, alone, extras)
 
 
 def _scored(
@@ -287,7 +297,7 @@ def check_policy(
         arms.close()
 
 
-def _least(motions: Sequence[Sequence[Trace]]) -> list[Trace]:
+def least_effort(motions: Sequence[Sequence[Trace]]) -> list[Trace]:
     """Returns the motion of each seed with the least effort, of those that succeed if any does."""
     return [
         min(same, key=lambda one: (not one.success, root_mean_square(one.effort)))

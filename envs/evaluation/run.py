@@ -48,20 +48,22 @@ def run(
     adapted: bool = True,
     unadapted: bool = False,
     rivals: Sequence[Trace] = (),
+    apart: bool = True,
     **options: Any,
 ) -> Run:
     """Runs a policy, reference or bound, with a name for its score, on the motions of some seeds.
 
     `adapted` says whether the wearers have learned the motions under the policy, `unadapted`
     whether wearers who have not learned are scored too. `rivals` has the motion of each seed under
-    a policy, from whose torques the best known plan begins, too. Options are those of the
-    environment with an exoskeleton, and of `ArmVectorEnv`.
+    a policy, from whose torques the best known plan begins, too. `apart` says whether a user's
+    policy has processes of its own. Options are those of the environment with an exoskeleton, and
+    of `ArmVectorEnv`.
     """
     if options.get("reward") is not None:
         raise InputError("scores need the shipped reward: leave the option reward out")
     wearers = Wearers(env_id, len(seeds), **_options_of(given, options))
     try:
-        make, close = _maker(name, given, wearers, seeds, rivals)
+        make, close = _maker(name, given, wearers, seeds, rivals, apart)
         try:
             first = wearers.unadapted(make(), seeds) if unadapted or not adapted else []
             traces = wearers.adapted(make, seeds) if adapted else first
@@ -103,17 +105,21 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
 
 
 def _maker(
-    name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int], rivals: Sequence[Trace]
+    name: str,
+    given: Runnable,
+    wearers: Wearers,
+    seeds: Sequence[int],
+    rivals: Sequence[Trace],
+    apart: bool,
 ) -> tuple[Callable[[], Policy], Callable[[], None]]:
     """Returns a function that makes a new policy for each rollout, and one that ends them all."""
     plant = Plant.of(wearers.arms.episodes)
-    if is_own(given):
-        made = partial(make_policy, given)
-        if callable(given):
-            made = partial(OwnPolicy, name, plant.motors, given)
-        return _apart(Apart(name, made, plant), wearers)
-    if isinstance(given, PolicySpec):
-        return partial(make_policy, given, plant), _nothing
+    if isinstance(given, PolicySpec) or callable(given):
+        made = partial(OwnPolicy, name, plant.motors, given) if callable(given) else None
+        made = made or partial(make_policy, given)
+        if apart and is_own(given):
+            return _apart(Apart(name, made, plant), wearers)
+        return partial(made, plant), _nothing
     if given in REFERENCES:
         return partial(make_policy, "none", plant), _nothing
     if not plant.motors:

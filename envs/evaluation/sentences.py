@@ -42,12 +42,14 @@ _WORDS = {
 
 
 def motion_remarks(found: "Evaluation") -> Iterator[str]:
-    """Yields a sentence about a drawn seed, and one about motions that are the same."""
+    """Yields sentences about a drawn seed, policies that are not apart, and equal motions."""
     if found.drawn:
         yield (
             f"the motions have the seeds from {found.first_seed}, drawn after the policies were "
             f"given; seed {found.first_seed} repeats them"
         )
+    if not found.apart:
+        yield "policies of your own had no processes of their own, so that they may have rehearsed"
     score = next(iter(found.scores.values()))
     if score.distinct < len(score.motion):
         yield (

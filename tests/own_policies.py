@@ -1,4 +1,4 @@
-"""A policy that is honest, and policies that carry a motion into the next rollout of this motion.
+"""Policies of a user: honest ones, and ones that carry a motion into its next rollout.
 
 The guided rollouts show the whole motion. Who still knows the motion when it is scored is ahead of
 lag and noise. These policies carry it in a class, a module, a file, and in what forks share.
@@ -9,14 +9,55 @@ import mmap
 import os
 import tempfile
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
-from activesuit.envs.policies import Compensation
+from activesuit.envs.policies import Compensation, NoAssist
 from scipy.ndimage import gaussian_filter1d
 
 AHEAD = 1  # control periods by which the motors are late
 NOTES = {}
 FOLDER = Path(tempfile.gettempdir(), "activesuit-rehearsals")
+
+
+class Push(NoAssist):
+    """Pushes with a tenth of the peak torque."""
+
+    command = -0.1
+
+    def torque(self, seen):
+        return super().torque(seen) + self.command * self.peak
+
+
+class Lose(Push):
+    """Loses the arm."""
+
+    command = -1.0
+
+
+class Practices(NoAssist):
+    """Pushes more with each of its rollouts."""
+
+    practice = 3
+
+    def __init__(self, plant):
+        super().__init__(plant)
+        self.rollouts = 0
+
+    def reset(self):
+        super().reset()
+        self.rollouts += 1
+
+    def torque(self, seen):
+        assert len(seen["angle"]) == 1
+        return super().torque(seen) + 0.01 * self.rollouts * self.peak
+
+
+class Ends(NoAssist):
+    """Ends its process."""
+
+    def torque(self, seen):
+        os._exit(3)
 
 
 class Honest(Compensation):
@@ -26,7 +67,7 @@ class Honest(Compensation):
 class ByClass(Compensation):
     """Knows the motion from a class attribute."""
 
-    notes: dict = {}
+    notes: ClassVar[dict] = {}
 
     def begin(self, seen):
         super().begin(seen)
@@ -92,7 +133,8 @@ class Leak(Honest):
 
     def torque(self, seen):
         told = self.told()
-        self.tell()
+        if seen["angle"].any():  # not where the policy only warms up
+            self.tell()
         return super().torque(seen) + (5.0 if told else 0.0)
 
 
