@@ -21,6 +21,7 @@ from ...files import content_of
 from ...json_files import parse_json
 from ..domain.levels import LEVELS
 from ..evaluation import BOUNDS, REFERENCES
+from ..evaluation.best_known_plan import HOT
 from ..evaluation.compare import least_effort
 from ..evaluation.reasons import Frequent, most_frequent
 from ..evaluation.run import Run, Runnable, run
@@ -37,8 +38,7 @@ LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
 DIGITS = 6  # significant digits of efforts and errors
-HOT = 0.99  # load of a motor, over the continuous torque, from which heat is the limit
-BEGINS = ("compensation", "observer")  # policies from whose torques the plan begins there
+BEGINS = ("compensation", "observer")  # policies from whose torques a plan at the heat limit begins
 SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 

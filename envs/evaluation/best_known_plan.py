@@ -3,8 +3,8 @@
 A motion takes the torque that a guided wearer and the motors give together. This torque becomes the
 motors' plan: within the peaks, rationed for the least effort of the wearer where heat is the limit,
 and with the lag inverted. Then, pass by pass, adapted wearers move under the plan, and the torque
-that the wearers still give is added to the plan, until this torque falls by less than 1 %. The
-torques that policies gave begin such passes, too. For each motion the pass with the least effort
+that the wearers still give is added to the plan, until this torque falls by less than 1 %. Where
+heat is the limit, torques that policies gave begin such passes, too. For each motion the pass with the least effort
 counts. Where an earlier or later plan is better, as before a blow that throws the arm back, the
 wearers' torque does not show how to improve the plan: there, plans that are shifted in time,
 smoothed, scaled and bent are tried too. The plan is the best known one, without a proof, and
@@ -33,6 +33,7 @@ SHIFTS, SMOOTHINGS, SCALES = (-4, -2, -1, 1, 2), (4,), (0.9, 1.1)
 BENDS = (0.05, 0.02, 0.01, 0.005)  # root mean square of bumps over that of the plan
 BEND_WIDTHS = (10, 80)  # control periods
 ROUNDS, LITTLE = 3, 0.002  # greatest number of rounds of the search, least decrease of effort
+HOT = 0.99  # load of a motor over its continuous torque, from which heat is the limit
 COOLNESS = 0.999  # share of the heat limit that a plan may use, so that the protection never acts
 BOUNDS = ("clairvoyant-suit", "best-known-plan")
 """A plan that cancels the suit's torque alone, and a plan that gives all possible help."""
@@ -52,7 +53,8 @@ def clairvoyant(
         wearers: Wearers of the arms.
         seeds: Seeds of the motions.
         suit_only: Whether the plan cancels the suit's torque alone.
-        given: Motion of each seed under a policy, whose torques begin further passes.
+        given: Motion of each seed under a policy, whose torques begin further passes where a motor
+            is at its heat limit.
         on_pass: Function that is called after each pass and each round of the search with the least
             effort of each motion so far, shape (motions,).
     """
@@ -72,8 +74,9 @@ def clairvoyant(
     if suit_only:
         return Planned(commands)
     best = _Best(wearers, seeds, commands)
-    for begin in (wanted, planner.helped(given)) if given else (wanted,):
-        _pass(best, planner, begin, on_pass)
+    _pass(best, planner, wanted, on_pass)
+    if given and planner.hot:
+        _pass(best, planner, planner.helped(given), on_pass)
     _search(best, on_pass)
     return Planned(best.commands)
 
@@ -173,6 +176,7 @@ class _Planner:
         self._gain = 1 - np.exp(-math.tau * bandwidth * self._dt)
         rows = simulation.state.muscles.strength.shape[0]
         self._strength = np.ones((rows, self.samples, 2, len(ASSISTED)))  # extensors, flexors
+        self.hot = False
         self._opposed = np.zeros((rows, self.samples, len(ASSISTED)))
 
     def helped(self, traces: Sequence[Trace]) -> Array:
@@ -190,6 +194,8 @@ class _Planner:
 
     def observe(self, traces: Sequence[Trace]) -> None:
         """Takes the wearers' strength and co-contraction from motions, for rationed heat."""
+        loads = [one.motor_load for one in traces if one.motor_load is not None]
+        self.hot = any(one.max() >= HOT for one in loads)
         strength = np.array([padded(one.strength, self.samples) for one in traces])
         effort = np.array([padded(one.effort, self.samples) for one in traces])
         torque = np.array([padded(one.human_torque, self.samples) for one in traces])

@@ -114,9 +114,12 @@ def _maker(
 ) -> tuple[Callable[[], Policy], Callable[[], None]]:
     """Returns a function that makes a new policy for each rollout, and one that ends them all."""
     plant = Plant.of(wearers.arms.episodes)
-    if isinstance(given, PolicySpec) or callable(given):
-        made = partial(OwnPolicy, name, plant.motors, given) if callable(given) else None
-        made = made or partial(make_policy, given)
+    made: Make | None = None
+    if isinstance(given, PolicySpec):
+        made = partial(make_policy, given)
+    elif callable(given):
+        made = partial(OwnPolicy, name, plant.motors, given)
+    if made is not None:
         if apart and is_own(given):
             return _apart(Apart(name, made, plant), wearers)
         return partial(made, plant), _nothing

@@ -62,7 +62,7 @@ class Wearers:
     def adapted(self, make: Callable[[], Policy], seeds: Sequence[int]) -> list[Trace]:
         """Returns motions of wearers who have learned these under the policy; raises `ArmLost`.
 
-        `make` makes a new policy for each rollout: only the wearers learn, not the policy.
+        `make` makes a policy for each rollout, which knows no other: only the wearers learn.
         """
         return self.learn(make, seeds)[1]
 
