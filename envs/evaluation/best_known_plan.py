@@ -4,11 +4,11 @@ A motion takes the torque that a guided wearer and the motors give together. Thi
 motors' plan: within the peaks, rationed for the least effort of the wearer where heat is the limit,
 and with the lag inverted. Then, pass by pass, adapted wearers move under the plan, and the torque
 that the wearers still give is added to the plan, until this torque falls by less than 1 %. Where
-heat is the limit, torques that policies gave begin such passes, too. For each motion the pass with the least effort
-counts. Where an earlier or later plan is better, as before a blow that throws the arm back, the
-wearers' torque does not show how to improve the plan: there, plans that are shifted in time,
-smoothed, scaled and bent are tried too. The plan is the best known one, without a proof, and
-policies that answer to the motion can be better.
+heat is the limit, torques that policies gave begin such passes, too. For each motion the pass with
+the least effort counts. Where an earlier or later plan is better, as before a blow that throws the
+arm back, the wearers' torque does not show how to improve the plan: there, plans that are shifted
+in time, smoothed, scaled and bent are tried too. The plan is the best known one, without a proof,
+and policies that answer to the motion can be better.
 """
 
 import math
@@ -194,8 +194,8 @@ class _Planner:
 
     def observe(self, traces: Sequence[Trace]) -> None:
         """Takes the wearers' strength and co-contraction from motions, for rationed heat."""
-        loads = [one.motor_load for one in traces if one.motor_load is not None]
-        self.hot = any(one.max() >= HOT for one in loads)
+        heat = [one.motor_load for one in traces if one.motor_load is not None]
+        self.hot = any(one.max() >= HOT for one in heat)
         strength = np.array([padded(one.strength, self.samples) for one in traces])
         effort = np.array([padded(one.effort, self.samples) for one in traces])
         torque = np.array([padded(one.human_torque, self.samples) for one in traces])
