@@ -114,7 +114,8 @@ class Score:
 
 
 UNITS: dict[str, Any] = {
-    **dict.fromkeys(("effort", "assisted_effort", "unadapted_effort", "above_limit"), "1"),
+    **dict.fromkeys(("motion", "effort", "assisted_effort", "unadapted_effort"), "1"),
+    "above_limit": "1",
     **dict.fromkeys(("reward", "beginning", "smoothness", "guarded", "saturated", "fatigued"), "1"),
     **dict.fromkeys(("torque", "peak", "strength_left"), "N·m"),
     **dict.fromkeys(("tracking", "tracking_rmse", "unadapted_tracking"), "rad"),
