@@ -7,28 +7,29 @@ learn, on the same motions.
 Each training is a run of `activesuit train`. Ten times its policy is scored by the relief of
 adapted wearers in eight motions (the curves of the figure), and the best policy is kept. The table
 has the relief of the kept policies in 20 other motions: the interquartile mean over trainings, with
-its 95 % interval from five trainings on. What trains at level randomized is tested at level unseen.
+its 95 % interval from five trainings on. `results.jsonl` has a line for each training and for each
+policy beside, with the values of every motion, from which all reliefs are computed.
+What trains at level randomized is tested at level unseen.
 
 A correction begins with what compensation knows, and so needs few steps. A network alone needs more
 steps than this small part of the study has. The whole study takes many hours; trainings and
-`results.csv` stay in the folder `--out`, and the same command goes on there.
+`results.jsonl` stay in the folder `--out`, and the same command goes on there.
 
     T="--tasks ArmTracking RangeOfMotion ObjectRelocation --levels nominal randomized shift"
     python examples/learning.py $T --seeds 0-9 --steps 200000 --ways ppo ppo-history residual
 """
 
-import csv
+import json
 import subprocess
 import sys
 from collections.abc import Sequence
-from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import tyro
-from activesuit.envs.evaluation import FIRST_SEED, REFERENCES
+from activesuit.envs.evaluation import FIRST_SEED, REFERENCES, Score
 from activesuit.envs.evaluation.relief import relief
 from activesuit.envs.evaluation.run import run
 from activesuit.envs.evaluation.wearers import ArmLost
@@ -61,15 +62,18 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c
 TESTED_AT = {"randomized": "unseen"}  # levels of tests, where they are not those of the training
 TESTED = range(FIRST_SEED, FIRST_SEED + 20)
 IN_TRAINING = range(FIRST, FIRST + MOTIONS)
+EMPTY: tuple[list, ...] = ([], [], [], [], [])  # the series of a row before a test
 
 
 class Row(NamedTuple):
-    """A line of results.csv: a training, or a policy beside with neither steps nor seed.
+    """A line of results.jsonl: a training, or a policy beside with neither steps nor seed.
 
     Attributes:
-        relief: Mean relief in the tested motions; NaN where an arm was lost.
-        success: Share of these motions with success.
-        in_training: Mean relief in the motions of the curves, of policies beside.
+        motion: Seeds of the tested motions.
+        effort: Effort in each of these motions; empty where an arm was lost.
+        success: Whether each of these motions succeeded.
+        chatter: Sum of the squared changes of the action in each of these motions.
+        in_training: Effort in each motion of the curves, of policies beside.
     """
 
     task: str
@@ -77,9 +81,11 @@ class Row(NamedTuple):
     way: str
     steps: int
     seed: int
-    relief: float
-    success: float
-    in_training: float
+    motion: list[int]
+    effort: list[float]
+    success: list[bool]
+    chatter: list[float]
+    in_training: list[float]
 
 
 class Study:
@@ -94,24 +100,26 @@ class Study:
         self.folder = folder
         self.rows: dict[tuple[object, ...], Row] = {}
         folder.mkdir(parents=True, exist_ok=True)
-        self._table = folder / "results.csv"
-        if not self._table.exists():
-            self._append(Row._fields)
-        with self._table.open(encoding="utf-8", newline="") as file:
-            for task, level, way, steps, seed, *numbers in list(csv.reader(file))[1:]:
-                self._keep(Row(task, level, way, int(steps), int(seed), *map(float, numbers)))
+        self._table = folder / "results.jsonl"
+        if self._table.exists():
+            for line in self._table.read_text(encoding="utf-8").splitlines():
+                self._keep(Row(**json.loads(line)))
 
     def _keep(self, row: Row) -> None:
         self.rows[row[:5]] = row
 
-    def _append(self, values: Sequence[object]) -> None:
-        with self._table.open("a", encoding="utf-8", newline="") as file:
-            csv.writer(file).writerow(values)
-
     def add(self, row: Row) -> None:
         """Adds a result, to the file as well."""
         self._keep(row)
-        self._append(row)
+        with self._table.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(row._asdict()) + "\n")
+
+    def relief(self, row: Row, *, in_training: bool = False) -> float:
+        """Returns the mean relief of a result; NaN for a lost arm, or a suit that costs little."""
+        beside = [self.rows[row.task, row.level, name, 0, 0] for name in REFERENCES]
+        series = [x.in_training if in_training else x.effort for x in (*beside, row)]
+        found = relief(*series) if series[-1] else None
+        return np.nan if found is None else float(np.mean(found))
 
     def path(self, task: str, level: str, way: str, steps: int) -> Path:
         """Returns the folder of the trainings of a way, one subfolder a seed."""
@@ -131,36 +139,34 @@ class Study:
         program = [sys.executable, "-m", "activesuit.scripts.main", "train"]
         subprocess.run([*program, *map(str, options)], check=True, stdout=subprocess.DEVNULL)
         for seed in left:
-            folder = f"{out / f'seed-{seed}'}"
-            found = tested(folder, task, TESTED_AT.get(level, level), TESTED)
-            self.add(Row(task, level, way, steps, seed, *found, np.nan))
+            self.add(tested(Row(task, level, way, steps, seed, *EMPTY), f"{out / f'seed-{seed}'}"))
 
     def compare(self, task: str, level: str, policies: Sequence[str]) -> None:
-        """Tests policies that do not learn."""
-        for name in policies:
+        """Tests references, and policies that do not learn."""
+        for name in (*REFERENCES, *policies):
             if (task, level, name, 0, 0) not in self.rows:
-                found = tested(name, task, TESTED_AT.get(level, level), TESTED)
-                before = tested(name, task, level, IN_TRAINING)[0]
-                self.add(Row(task, level, name, 0, 0, *found, before))
+                row = tested(Row(task, level, name, 0, 0, *EMPTY), name)
+                before = scored(name, task, level, IN_TRAINING)
+                self.add(row._replace(in_training=[*before.effort] if before else []))
 
 
-@cache
-def efforts(name: str, task: str, level: str, seeds: range) -> tuple[np.ndarray, float]:
-    """Returns the effort of a policy in each motion, and its share of successes."""
+def scored(name: str, task: str, level: str, seeds: range) -> Score | None:
+    """Returns the score of a policy; None where it loses an arm."""
     given = name if name in (*REFERENCES, "best-known-plan") else policy_spec(name)
-    score = run(name, given, f"ActiveSuit/{task}-v0", seeds, level=level).score
-    return np.array(score.effort), float(np.mean(score.success))
-
-
-def tested(name: str, task: str, level: str, seeds: range) -> tuple[float, float]:
-    """Returns mean relief and share of successes; no relief where the policy loses an arm."""
-    unsuited, suited = (efforts(one, task, level, seeds)[0] for one in REFERENCES)
     try:
-        effort, success = efforts(name, task, level, seeds)
+        return run(name, given, f"ActiveSuit/{task}-v0", seeds, level=level).score
     except ArmLost:
-        return np.nan, 0.0
-    found = relief(unsuited, suited, effort)
-    return np.nan if found is None else float(np.mean(found)), success
+        return None
+
+
+def tested(row: Row, name: str) -> Row:
+    """Returns a row with the values of a policy in the tested motions."""
+    one = scored(name, row.task, TESTED_AT.get(row.level, row.level), TESTED)
+    row = row._replace(motion=[*TESTED], success=[False] * len(TESTED))
+    if one is None:
+        return row
+    values = {"effort": one.effort, "success": one.success, "chatter": one.costs["chatter"]}
+    return row._replace(**{series: [*found] for series, found in values.items()})
 
 
 def curve(folder: Path, seeds: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -194,7 +200,8 @@ def draw(
         for name, (color, style) in BESIDE.items():
             if (beside := study.rows.get((task, level, name, 0, 0))) is not None:
                 label = name.partition(":")[0]
-                ax.axhline(beside.in_training, color=color, ls=style, lw=1, label=label)
+                level_of = study.relief(beside, in_training=True)
+                ax.axhline(level_of, color=color, ls=style, lw=1, label=label)
         ax.set_title(f"{task}, {level}")
         ax.grid(alpha=0.25)
     for ax in axes[-1]:
@@ -225,7 +232,7 @@ def main(
         seeds: Seeds of the trainings, as 0-9 or 0,3,5.
         steps: Number of environment steps of each training.
         workers: Number of trainings at once.
-        out: Folder of the trainings and of results.csv; what is there is not done again.
+        out: Folder of the trainings and of results.jsonl; what is there is not done again.
         quick: Train one correction at one level for a few steps, beside compensation alone.
     """
     if quick:
@@ -243,15 +250,15 @@ def main(
         for way in ways:
             study.train(task, level, way, steps, chosen, workers)
             rows = [study.rows[task, level, way, steps, seed] for seed in chosen]
-            show(rows, len(rows))
+            show(study, rows, len(rows))
         for name in beside:
-            show([study.rows[task, level, name, 0, 0]], 0)
+            show(study, [study.rows[task, level, name, 0, 0]], 0)
     draw(study, tasks, levels, ways, steps, chosen).savefig("learning.png", dpi=150)
 
 
-def show(rows: Sequence[Row], trainings: int) -> None:
+def show(study: Study, rows: Sequence[Row], trainings: int) -> None:
     """Prints a line of the table: a way over its trainings, or a policy beside (0 trainings)."""
-    reliefs = [one.relief for one in rows]
+    reliefs = [study.relief(one) for one in rows]
     text = relief_text(over_trainings(reliefs)) if np.isfinite(reliefs).all() else "-"
     success = np.mean([one.success for one in rows])
     first = rows[0]

@@ -54,7 +54,7 @@ def kept_learner(name: str) -> dict[str, Any]:
 
 
 def measured(name: str, python: str) -> dict[str, Any]:
-    """Trains and scores a learner; returns versions, mean rewards and relief.
+    """Trains and scores a learner; returns versions, mean rewards and scores.
 
     Args:
         name: Name of the learner, one of `LEARNERS`.
@@ -76,7 +76,7 @@ def measured(name: str, python: str) -> dict[str, Any]:
         {
             "versions": dict(zip(learner.packages, versions, strict=True)),
             "rewards": {steps: float(reward) for steps, reward in LINE.findall(printed)},
-            "relief": {name: scores[name]["relief"] for name in (*BESIDE, learner.policy)},
+            "scores": scores,
         }
     )
 

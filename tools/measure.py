@@ -1,8 +1,10 @@
 """Measures what README and docs report: `python -m activesuit.tools.measure [NAME]`.
 
-Each experiment is a command of this package. The means of its results are kept in docs/measured,
-from where `tables.py` takes them; so a page never has a number that no command prints. A finished
-run is kept, or compared with what is kept, by `--keep NAME FOLDER` and `--check NAME FOLDER`.
+Each experiment is a command of this package. Its results are kept in docs/measured, from where
+`tables.py` takes them; so a page never has a number that no command prints. Effort, error, success
+and chatter are kept by motion, with the seeds, and of other values the mean. A finished run is
+kept, or compared with what is kept, by `--keep NAME FOLDER` and `--check NAME FOLDER`;
+`--intervals` computes every interval anew from the kept values by motion.
 """
 
 import argparse
@@ -16,7 +18,13 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .. import __version__
+from ..envs.evaluation import BOUNDS, REFERENCES
+from ..envs.evaluation.relief import relief_interval
+from ..envs.evaluation.statistics import Interval, interval_text, mean_interval, ratio_interval
+from ..envs.extras import SCORES
 from ..errors import InputError
 from ..files import write_text
 from ..json_files import read_json
@@ -26,8 +34,11 @@ FEWEST = 8  # length of the shortest list of one number for each motion, of whic
 DIGITS = 6  # number of significant digits that are kept
 KEPT = {  # fields of a score that pages may report
     *("policy", "effort", "torque", "tracking", "reward", "beginning", "success", "cuff_peak"),
-    *("relief", "share_of_bound", "unadapted_effort", "unadapted_tracking", "muscles"),
+    *("net_effort", "relief", "net_relief", "share_of_bound", "unadapted_effort", "unadapted_tracking", "muscles"),
+    *("motion", "distinct", "assisted_effort", "assisted_relief", "chatter"),
 }
+BY_MOTION = ("motion", "effort", "assisted_effort", "tracking", "success", "chatter")
+CONVENTION = "standard"  # convention of muscles whose costs are kept by motion
 TOLERANCE = 0.01  # greatest difference from a kept number, relative to it if it is above 1
 
 _LAWS = "compensation impedance observer disturbance-observer"
@@ -102,17 +113,92 @@ def kept(name: str) -> dict[str, Any]:
 
 
 def condensed(value: Any) -> Any:
-    """Returns a result with the mean in place of each list of one number for each motion."""
+    """Returns a result with the mean in place of each list of one number for each motion.
+
+    Of a score the series `BY_MOTION` stay, and of muscles the costs under the standard convention.
+    """
     if isinstance(value, Mapping):
-        is_score = value.keys() >= {"policy", "effort", "torque"}
-        kept = {name: one for name, one in value.items() if not is_score or name in KEPT}
-        return {name: condensed(one) for name, one in kept.items()}
+        if value.keys() >= {"policy", "effort", "torque"}:
+            value = {**value, "chatter": value.get("costs", {}).get("chatter")}
+            series = {name: _each(value[name]) for name in BY_MOTION if value.get(name)}
+            kept = {name: value[name] for name in value if name in {*KEPT} - {*BY_MOTION}}
+            return {**series, **{name: condensed(one) for name, one in kept.items()}}
+        return {
+            name: _each(one) if name == CONVENTION and _is_series(one) else condensed(one)
+            for name, one in value.items()
+        }
     if isinstance(value, Sequence) and not isinstance(value, str):
-        numbers = [one for one in value if isinstance(one, Real)]
-        if len(value) >= FEWEST and len(numbers) == len(value):
-            return _rounded(sum(map(float, numbers)) / len(value))
+        if _is_series(value):
+            return _rounded(mean(value))
         return [condensed(one) for one in value]
     return _rounded(value) if isinstance(value, float) else value
+
+
+def _is_series(value: Any) -> bool:
+    """Returns whether a value is a list of one number for each motion."""
+    listed = isinstance(value, Sequence) and not isinstance(value, str)
+    return listed and len(value) >= FEWEST and all(isinstance(one, Real) for one in value)
+
+
+def _each(values: Sequence[Any]) -> list[Any]:
+    return [_rounded(one) if isinstance(one, float) else one for one in values]
+
+
+def mean(value: Any) -> float:
+    """Returns the mean of values by motion, or the kept mean of results of 0.2."""
+    return float(np.mean(value))
+
+
+def intervals(result: Any, place: str = "") -> Iterator[tuple[str, Interval | None, Any]]:
+    """Yields each interval of kept scores: its place, computed from values by motion, and as kept.
+
+    Results of 0.2 have means alone, and yield nothing.
+    """
+    if isinstance(result, Sequence) and not isinstance(result, str):
+        for i, one in enumerate(result):
+            yield from intervals(one, f"{place}.{i}".lstrip("."))
+    if not isinstance(result, Mapping):
+        return
+    if _has_motions(result):
+        for name, one in result.items():
+            for what, found in _of_score(result, one).items():
+                where, _, last = what.rpartition(".")
+                kept = (one[where] if where else one).get(last)
+                yield f"{place}.{name}.{what}".lstrip("."), found, kept
+        return
+    if _has_motions(scores := result.get("scores", {})) and "suit_cost" in result:
+        unsuited, suited = (np.array(scores[name]["effort"]) for name in REFERENCES)
+        found = mean_interval(suited - unsuited, motion=scores[REFERENCES[0]]["motion"])
+        yield f"{place}.suit_cost".lstrip("."), found, result["suit_cost"]
+    for name, one in result.items():
+        yield from intervals(one, f"{place}.{name}".lstrip("."))
+
+
+def _has_motions(scores: Any) -> bool:
+    """Returns whether these are scores by policy, with references and values by motion."""
+    if not isinstance(scores, Mapping) or not scores.keys() >= {*REFERENCES}:
+        return False
+    return all(
+        isinstance(scores[name], Mapping) and "motion" in scores[name] for name in REFERENCES
+    )
+
+
+def _of_score(scores: Mapping[str, Any], one: Mapping[str, Any]) -> dict[str, Interval | None]:
+    """Returns the intervals of one score beside the references and the bound."""
+    unsuited, suited = (scores[name] for name in REFERENCES)
+    motion, bound = unsuited["motion"], scores.get(BOUNDS[1])
+    found = {
+        what: relief_interval(*(x[of] for x in (unsuited, suited, one)), motion=motion)
+        for what, of in (("relief", "effort"), ("assisted_relief", "assisted_effort"))
+    }
+    found["share_of_bound"] = None
+    if bound is not None and found["relief"] is not None:
+        over, under = (np.subtract(suited["effort"], x["effort"]) for x in (one, bound))
+        found["share_of_bound"] = ratio_interval(over, under, motion=motion)
+    for cost, least in (SCORES.find("muscles").least if "muscles" in one else {}).items():
+        series = [x["muscles"][cost][CONVENTION] for x in (unsuited, suited, one)]
+        found[f"muscles.{cost}_relief"] = relief_interval(*series, least=least, motion=motion)
+    return found
 
 
 def _rounded(value: float) -> float:
@@ -151,6 +237,9 @@ def differences(old: Any, new: Any, place: str = "") -> Iterator[str]:
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         for name in sorted({*old, *new}):
             yield from differences(old.get(name), new.get(name), f"{place}.{name}".lstrip("."))
+    elif _is_series(old) and _is_series(new) and len(old) == len(new):
+        for i, pair in enumerate(zip(old, new, strict=True)):
+            yield from differences(*pair, f"{place}.{i}")
     elif isinstance(old, Real) and isinstance(new, Real):
         if abs(float(old) - float(new)) > TOLERANCE * max(1.0, abs(float(old))):
             yield f"{place} is {new}, and {old} is kept"
@@ -182,8 +271,13 @@ def main() -> None:
     parser.add_argument("names", nargs="*", choices=[*EXPERIMENTS, []], help="experiments to run")
     parser.add_argument("--keep", nargs=2, metavar=("NAME", "FOLDER"), help="keep a finished run")
     parser.add_argument("--check", nargs=2, metavar=("NAME", "FOLDER"), help="compare a run")
+    parser.add_argument("--intervals", action="store_true", help="compute all intervals anew")
     given = parser.parse_args()
-    if given.keep:
+    if given.intervals:
+        for name in given.names or EXPERIMENTS:
+            for place, found, _ in intervals(kept(name)):
+                print(f"{name}: {place} {interval_text(found)}")
+    elif given.keep:
         keep(given.keep[0], result_of(Path(given.keep[1])))
     elif given.check:
         name, folder = given.check

@@ -10,7 +10,7 @@ from ..envs.benchmark.standings import Standing, Standings
 from ..envs.evaluation import REFERENCES
 from ..tables import markdown_table
 from .leaderboard import RESULTS
-from .measure import kept
+from .measure import kept, mean
 
 WEIGHTLESS = "microgravity"
 PLACES = {"earth": "Earth", "mars": "Mars", "moon": "Moon", WEIGHTLESS: "microgravity"}
@@ -50,7 +50,7 @@ def _effects(names: Mapping[str, str]) -> str:
         for place in ("earth", WEIGHTLESS):
             one = scores(place)[name]
             relief = {"unsuited": "1", "suited": "0"}.get(name) or interval(one["relief"])
-            cells += [percent(one["effort"]), relief]
+            cells += [percent(mean(one["effort"])), relief]
         rows.append(cells)
     return markdown_table(header, rows)
 
@@ -67,7 +67,9 @@ def door() -> str:
         }
     )
     earth, space = scores("earth"), scores(WEIGHTLESS)
-    bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in REFERENCES)
+    bare, suited = (
+        [percent(mean(place[name]["effort"])) for place in (earth, space)] for name in REFERENCES
+    )
     return (
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
         f"and from {bare[1]} to {suited[1]} in microgravity.\n"

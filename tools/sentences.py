@@ -76,7 +76,11 @@ def _training() -> Iterator[str]:
     for name, learner in LEARNERS.items():
         found = kept_learner(name)["result"]
         versions = (f"{title} {found['versions'][one]}" for one, title in learner.packages.items())
-        relief = interval(found["relief"][learner.policy])
+        scored = "scores" in found  # results of 0.2 have the interval alone
+        one = (
+            found["scores"][learner.policy]["relief"] if scored else found["relief"][learner.policy]
+        )
+        relief = interval(one)
         yield f"(learners/{learner.program}) | {', '.join(versions)} | {relief} |"
 
 

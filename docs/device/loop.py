@@ -35,6 +35,7 @@ class OnDevice(TorquePolicy):
 
 if __name__ == "__main__":
     policies = ["compensation", "loop:OnDevice"]
-    found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, motions=8, gravity="earth")
+    options = {"motions": 8, "seed": 10_000, "apart": False}  # a policy may begin no process apart
+    found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, gravity="earth", **options)
     for policy in policies:
         print(f"{policy}: relief {found.relief(policy)}")

@@ -12,6 +12,7 @@ from ...plots import Line, Panel, Plot
 from ...tables import Rows, markdown_table
 from ...text import without_markup
 from ..domain.levels import COMPARED
+from ..evaluation import FIRST_SEED
 from ..evaluation.reasons import Frequent
 from ..evaluation.sentences import exceeded, motions_text
 from ..evaluation.statistics import interval_text
@@ -64,6 +65,7 @@ class Leaderboard(Standings):
             *_best_policies(self),
             *benchmark_remarks(self.results),
             *_contract_remarks(self),
+            *_motion_remarks(self),
             *(
                 f"{one.policy} failed in {one.task} at {one.level}: {one.failed}"
                 for one in self.results
@@ -169,6 +171,8 @@ def _contract_remarks(standings: Standings) -> Iterator[str]:
     reasons += [f"the level {one}" for one in sorted(levels)]
     if isinstance(options, dict):
         reasons.append(f"the options {', '.join(options)}")
+    if protocol.get("first_seed") != FIRST_SEED:
+        reasons.append(f"the seeds from {protocol.get('first_seed')}")
     if version != VERSION:
         reasons.append(f"version {version} of the suites")
     because = " and ".join(reasons) or "other tasks, levels, suits or wearers in their version"
@@ -176,6 +180,19 @@ def _contract_remarks(standings: Standings) -> Iterator[str]:
         f"note: because of {because} these results can be compared with each other, and not with "
         f"the leaderboard; their contract is {shown(contract)} (docs/benchmark.md#contract)"
     )
+
+
+def _motion_remarks(standings: Standings) -> Iterator[str]:
+    """Yields a sentence for each task in which some motions are the same."""
+    fewest: dict[str, Result] = {}
+    for one in standings.results:
+        if len({*one.motion}) < len(one.motion):
+            fewest.setdefault(one.task, one)
+    for task, one in fewest.items():
+        yield (
+            f"{task}: {len(one.motion)} motions are {len({*one.motion})} different ones at "
+            f"{one.level}, so that intervals over motions are too narrow there"
+        )
 
 
 def _task_rows(standings: Standings, level: str) -> Rows:

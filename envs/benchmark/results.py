@@ -20,9 +20,12 @@ from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
 from ..domain.levels import LEVELS
-from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation import BOUNDS, REFERENCES
+from ..evaluation.best_known_plan import HOT
+from ..evaluation.compare import least_effort
 from ..evaluation.reasons import Frequent, most_frequent
-from ..evaluation.run import run
+from ..evaluation.run import Run, Runnable, run
+from ..policies import policy_spec
 from ..tasks import TASKS
 from .suites import Suite, Trial
 
@@ -35,6 +38,7 @@ LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
 DIGITS = 6  # significant digits of efforts and errors
+BEGINS = ("compensation", "observer")  # policies from whose torques a plan at the heat limit begins
 SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
@@ -59,12 +63,14 @@ class Result:
     success: tuple[bool, ...]  # whether the motion exceeded no limit of success
     failed: str | None  # reason why the policy could not act
     protocol: dict[str, Any]  # version, contract, seeds, motions and packages of the run
+    motion: tuple[int, ...] = ()  # number of the first motion with the same intention
+    chatter: tuple[Kept, ...] = ()  # sum of the squared changes of the action
     why: tuple[Frequent, ...] = ()  # exceeded limits of success, the most frequent first
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
         content = asdict(self)
-        for name in SIZES:
+        for name in (*SIZES, "chatter"):
             content[name] = [value if math.isfinite(value) else None for value in content[name]]
         return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
 
@@ -83,7 +89,9 @@ class Result:
         for what, one, known in (("task", found.task, TASKS), ("level", found.level, LEVELS)):
             if one not in known:
                 raise InputError(f"{name} has the {what} {shown(one)}: delete it")
-        if len({len(getattr(found, series)) for series in SERIES}) > 1:
+        lengths = {len(getattr(found, series)) for series in SERIES}
+        more = {len(found.motion), len(found.chatter)} - {0}  # absent in results of 0.2
+        if len(lengths | more) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
         said, motions = found.protocol.get("episodes"), len(found.effort)
         if said not in (None, motions):
@@ -147,18 +155,20 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     If the policy cannot act, every motion is failed, and the result has the reason.
     """
     episodes, name = suite.motions_of(trial.policy), trial.policy.name
-    env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
+    seeds = range(suite.first_seed, suite.first_seed + episodes)
+    env = f"ActiveSuit/{trial.setting.task}-v0"
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
     found: dict[str, Any] = {"failed": None}
     try:
         options = suite.environment(trial.setting)
-        score = run(trial.label, given, env, seeds, threads=1, **options).score
+        score = _run(trial.label, given, env, seeds, threads=1, **options).score
     except InputError as error:
         found = dict.fromkeys(SIZES, (math.inf,) * episodes)
         found |= {"success": (False,) * episodes, "failed": str(error)}
     else:
         found |= {size: tuple(map(_rounded, getattr(score, size))) for size in SIZES}
         found |= {"success": score.success, "why": most_frequent(score.why)}
+        found |= {"motion": score.motion, "chatter": tuple(map(_rounded, score.costs["chatter"]))}
     return Result(
         **trial.setting._asdict(),
         policy=trial.label,
@@ -166,6 +176,15 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         protocol=suite.protocol(trial.policy),
         **found,
     )
+
+
+def _run(name: str, given: Runnable, env: str, seeds: range, **options: Any) -> Run:
+    """Runs a policy; where motors are hot the best known plan begins from policies, too."""
+    found = run(name, given, env, seeds, **options)
+    if given != BOUNDS[1] or max(found.score.costs["heat"]) < HOT:
+        return found
+    begins = [run(one, policy_spec(one), env, seeds, **options).traces for one in BEGINS]
+    return run(name, given, env, seeds, rivals=least_effort(begins), **options)
 
 
 def _rounded(value: float) -> float:

@@ -165,7 +165,9 @@ class Standings:
         pair = self._paired(setting, one, other)
         if pair is None or not np.isfinite(pair).all():
             return None
-        return difference_interval(*pair)
+        results = [self.of(setting, name) for name in (one, other)]
+        motion = next((each.motion for each in results if each is not None and each.motion), ())
+        return difference_interval(*pair, motion=motion[: pair[0].size])
 
     def profile(self, policy: str, level: str, thresholds: Array) -> Array:
         """Returns the share of motions with at least each relief (mean over tasks), shape (k,).

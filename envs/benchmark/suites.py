@@ -14,7 +14,7 @@ import numpy as np
 
 from ... import __version__
 from ...assets import load_suit
-from ...checks import at_least, once
+from ...checks import at_least, check_seed, once
 from ...errors import InputError, unknown_name
 from ..domain.levels import COMPARED, LEVELS
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
@@ -23,7 +23,7 @@ from ..evaluation.statistics import FEWEST_MOTIONS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
-from ..policies.registry import believes
+from ..policies.registry import believes, is_own
 from ..policies.spec import is_saved
 from ..policies.trained import shipped_policies
 from ..simulation.measurements import Sensing
@@ -98,6 +98,7 @@ class Suite:
     levels: tuple[str, ...] = COMPARED
     believed: tuple[str, ...] = BELIEVED  # names or files of suits that controllers believe in
     motions: int = 20  # number of motions of each policy, at least 8
+    first_seed: int = FIRST_SEED  # of the motions
     coupling: Literal["rigid", "cuffs"] = "rigid"  # of the exoskeleton to the arm
     options: Mapping[str, Any] = field(default_factory=dict)  # of the environment, in all settings
 
@@ -118,14 +119,20 @@ class Suite:
         for suit in self.believed:
             load_suit(suit)
         at_least("motions", self.motions, FEWEST_MOTIONS)
+        check_seed(self.first_seed)
 
     def environment(self, setting: Setting) -> dict[str, Any]:
         """Returns the options of the environment in a setting."""
         return {**setting.options, "coupling": self.coupling, **self.options}
 
+    @property
+    def has_own(self) -> bool:
+        """Whether a policy is a user's code, which should not know the motions beforehand."""
+        return any(map(is_own, self.policies.values()))
+
     def to_dict(self) -> dict[str, Any]:
         """Returns the suite as plain values, by which a folder of results knows its suite."""
-        fields = ("tasks", "levels", "believed", "motions")
+        fields = ("tasks", "levels", "believed", "motions", "first_seed")
         found: dict[str, Any] = {"suite": self.name, "contract": self.contract}
         found |= {name: getattr(self, name) for name in fields}
         found["policies"] = {name: spec.to_dict() for name, spec in self.policies.items()}
@@ -185,7 +192,7 @@ class Suite:
             "arm": ArmConfig(coupling=self.coupling).to_dict(),
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
-            "seed": FIRST_SEED,
+            "seed": self.first_seed,
             **self._own_options,
         }
         text = json.dumps(content, sort_keys=True, default=str)
@@ -200,7 +207,7 @@ class Suite:
         return {
             "suite_version": VERSION,
             "contract": self.contract,
-            "first_seed": FIRST_SEED,
+            "first_seed": self.first_seed,
             "episodes": self.motions_of(policy),
             **self._own_options,
             "activesuit": __version__,
@@ -228,10 +235,14 @@ def suite(
     levels: tuple[str, ...] = (),
     believed: tuple[str, ...] = (),
     motions: int | None = None,
+    seed: int | None = None,
     options: Mapping[str, Any] | None = None,
     trust: bool = False,
 ) -> Suite:
-    """Returns a shipped suite, with the given arguments in place of the suite's own values."""
+    """Returns a shipped suite, with the given arguments in place of the suite's own values.
+
+    `seed` is that of the first motion, by default 10,000.
+    """
     if name not in SUITES:
         raise unknown_name("suite", name, SUITES)
     specs = [policy_spec(given, trust=trust) for given in policies]
@@ -243,7 +254,9 @@ def suite(
     changes = {"policies": dict(zip(names, specs, strict=True)), "tasks": tasks, "levels": levels}
     changes |= {"believed": believed, "options": dict(options or {})}
     changes = {name: value for name, value in changes.items() if value}
-    return replace(SUITES[name], **changes, **({} if motions is None else {"motions": motions}))
+    numbers = {"motions": motions, "first_seed": seed}
+    changes |= {name: number for name, number in numbers.items() if number is not None}
+    return replace(SUITES[name], **changes)
 
 
 SUITES = {

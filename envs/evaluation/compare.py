@@ -16,12 +16,13 @@ from ..extras import SCORES, Scored
 from ..making import make_arms
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
+from ..policies.registry import is_own
 from . import extra_scores, figures, report
 from . import sentences as say
 from .best_known_plan import BOUNDS
 from .relief import relief_interval
 from .rollout import Trace
-from .run import FIRST_SEED, Make, Run, Runnable, run
+from .run import FIRST_SEED, Make, Run, Runnable, drawn_seed, run
 from .scores import REFERENCES, UNADAPTED, Score, root_mean_square, score
 from .statistics import Interval, mean_interval, ratio_interval
 
@@ -38,6 +39,8 @@ class Evaluation:
         adapted: Whether the scores are of wearers who have learned the motions.
         traces: Motions by the same names.
         first_seed: Seed of the first motion.
+        drawn: Whether that seed was drawn after the policies were given.
+        apart: Whether policies of the user had processes of their own, or there were none.
         extras: Scores of extras, by the name of the score and then by the same names.
     """
 
@@ -45,6 +48,8 @@ class Evaluation:
     adapted: bool
     traces: Mapping[str, list[Trace]] = field(repr=False)
     first_seed: int
+    drawn: bool = False
+    apart: bool = True
     extras: Mapping[str, Mapping[str, Scored]] = field(default_factory=dict, repr=False)
 
     @property
@@ -53,7 +58,7 @@ class Evaluation:
         if any(name not in self.scores for name in REFERENCES):
             return None
         unsuited, suited = map(self._effort, REFERENCES)
-        return mean_interval(suited - unsuited)
+        return mean_interval(suited - unsuited, motion=self._motion)
 
     def relief(self, policy: str) -> Interval | None:
         """Returns the relief of a policy, reference or bound; see `evaluation.relief`.
@@ -73,14 +78,15 @@ class Evaluation:
     def _relief(self, policy: str, effort: str) -> Interval | None:
         self._check(policy)
         found = [self.scores.get(name) for name in (*REFERENCES, policy)]
-        return relief_interval(*(getattr(one, effort) for one in found)) if all(found) else None
+        efforts = [getattr(one, effort) for one in found if one is not None]
+        return relief_interval(*efforts, motion=self._motion) if all(found) else None
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
         """Returns the paired difference of relief, policy less other; None as for `relief`."""
         if self.relief(policy) is None or self.relief(other) is None:
             return None
         unsuited, suited, one, two = map(self._effort, (*REFERENCES, policy, other))
-        return ratio_interval(two - one, suited - unsuited)
+        return ratio_interval(two - one, suited - unsuited, motion=self._motion)
 
     def share_of_bound(self, policy: str, bound: str = BOUNDS[1]) -> Interval | None:
         """Returns the relief of a policy over that of a bound; None where a relief is None."""
@@ -90,7 +96,12 @@ class Evaluation:
         if bound not in self.scores or self.relief(bound) is None:
             return None
         suited, one, other = map(self._effort, (REFERENCES[1], policy, bound))
-        return ratio_interval(suited - one, suited - other)
+        return ratio_interval(suited - one, suited - other, motion=self._motion)
+
+    @property
+    def _motion(self) -> tuple[int, ...]:
+        """Numbers of the motions, which are the same for all policies."""
+        return next(iter(self.scores.values())).motion
 
     def _effort(self, name: str) -> Array:
         return np.array(self.scores[name].effort)
@@ -102,7 +113,10 @@ class Evaluation:
     @cached_property
     def _costs(self) -> dict[str, extra_scores.Costs]:
         """Costs by score, policy and name of the cost."""
-        return {name: extra_scores.costs_of(name, found) for name, found in self.extras.items()}
+        return {
+            name: extra_scores.costs_of(name, found, self._motion)
+            for name, found in self.extras.items()
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values."""
@@ -115,7 +129,14 @@ class Evaluation:
             for extra, scored in self.extras.items():
                 costs = self._costs[extra][name]
                 found[name][extra] = extra_scores.plain(extra, scored[name], costs)
-        return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
+        return {
+            "adapted": self.adapted,
+            "seed": self.first_seed,
+            "seed_drawn": self.drawn,
+            "apart": self.apart,
+            "suit_cost": cost and cost.to_dict(),
+            "scores": found,
+        }
 
     def tables(self, place: str = "") -> dict[str, Rows]:
         """Returns tables by title: scores with relief, costs of a motion, medians over motions."""
@@ -133,7 +154,7 @@ class Evaluation:
         """Returns sentences about cost and relief, failed motions, and limits of the numbers."""
         scores = [*self.scores.values()]
         found = [*say.story(self), *say.why_remarks(scores), *say.cuff_remarks(scores)]
-        found += say.guard_remarks(scores)
+        found += [*say.guard_remarks(scores), *say.motion_remarks(self)]
         for name, scored in self.extras.items():
             found += extra_scores.cost_remarks(name, scored, self._costs[name])
         return found
@@ -169,10 +190,11 @@ def evaluate(
     policies: Policies,
     *,
     motions: int = 20,
-    seed: int = FIRST_SEED,
+    seed: int | None = None,
     references: bool = True,
     adapted: bool = True,
     scores: Sequence[str] = (),
+    apart: bool = True,
     on_policy: OnPolicy | None = None,
     **env_options: Any,
 ) -> Evaluation:
@@ -188,21 +210,28 @@ def evaluate(
             "best-known-plan"), or functions from a `Plant` to a policy of your own, such as its
             class; or a dict of these by names of your choice.
         motions: Number of motions of each policy; motion i has the seed `seed` + i.
-        seed: Seed of the first motion.
+        seed: Seed of the first motion. By default 10,000; with a policy of your own a seed that is
+            drawn now, so that no policy can know the motions beforehand. `first_seed` of the result
+            repeats the evaluation.
         references: Whether to run the references too: "unsuited", without suit and exoskeleton, and
             "suited", without exoskeleton.
         adapted: Whether wearers have learned the motions. The scores then have the effort of
             wearers who have not learned as `unadapted_effort`.
         scores: Names of further scores of the motions, from extras, such as "muscles".
+        apart: Whether each motion of each rollout of your own policies has a process of its own,
+            which can leave no message to later ones. Without, as for a policy that talks to a
+            device, the policies run here, do not practice, and the result says so.
         on_policy: Function that is called with name and motions of each policy after its motions,
             and again after each further score.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
     """
     named = named_policies(policies)
     at_least("motions", motions, 1)
-    check_seed(seed)
+    drawn = seed is None and any(map(is_own, named.values()))
+    first = check_seed(seed) if seed is not None else drawn_seed() if drawn else FIRST_SEED
     flag("references", references)
     flag("adapted", adapted)
+    flag("apart", apart)
     if on_policy is not None and not callable(on_policy):
         raise InputError(f"on_policy is {shown(on_policy)}: give a function of name and motions")
     refuse_old_names(env_options, {"settled": "adapted"})
@@ -221,23 +250,28 @@ def evaluate(
             "references need a suit, and suit is 'none': name a suit, or use references=False"
         )
     scale, found = None, {}
-    first = reversed(REFERENCES) if references else ()
-    for name in (*first, *sorted(named, key=lambda name: name == BOUNDS[1])):  # that bound last
+    before = reversed(REFERENCES) if references else ()
+    for name in (*before, *sorted(named, key=lambda name: name == BOUNDS[1])):  # that bound last
+        rivals = least_effort([found[other].traces for other in named if other in found])
         one = run(
-            *(name, named.get(name, name), env_id, range(seed, seed + motions)),
+            *(name, named.get(name, name), env_id, range(first, first + motions)),
+            rivals=rivals if name == BOUNDS[1] else (),
+            apart=apart,
             **{**env_options, "adapted": adapted, "unadapted": True, "effort_scale": scale},
         )
         if name in REFERENCES:
             scale = one.effort_scale  # of the suited arm, for all policies
         if name == BOUNDS[1]:
-            one = _best_known(one, [found[other] for other in named if other in found])
+            one = _best_known(one, rivals)
         found[name] = one
         if on_policy is not None:
             on_policy(name, one.traces)
     order = [name for name in (*REFERENCES, *named) if name in found]
     traces = {name: found[name].traces for name in order}
     extras = {name: _scored(name, traces, on_policy) for name in scores}
-    return Evaluation({name: found[name].score for name in order}, adapted, traces, seed, extras)
+    scored = {name: found[name].score for name in order}
+    alone = apart or not any(map(is_own, named.values()))
+    return Evaluation(scored, adapted, traces, first, drawn, alone, extras)
 
 
 def _scored(
@@ -267,16 +301,23 @@ def check_policy(
         arms.close()
 
 
-def _best_known(plan: Run, others: Sequence[Run]) -> Run:
-    """Returns the motions with the least effort, among the plan and policies that succeed.
+def least_effort(motions: Sequence[Sequence[Trace]]) -> list[Trace]:
+    """Returns the motion of each seed with the least effort, of those that succeed if any does."""
+    return [
+        min(same, key=lambda one: (not one.success, root_mean_square(one.effort)))
+        for same in zip(*motions, strict=True)
+    ]
+
+
+def _best_known(plan: Run, rivals: Sequence[Trace]) -> Run:
+    """Returns the motions of the plan, or of a policy that succeeds with less effort.
 
     The torque of a policy over time is a known plan as well.
     """
     best = list(plan.traces)
-    for other in others:
-        for i, trace in enumerate(other.traces):
-            if trace.success and root_mean_square(trace.effort) < root_mean_square(best[i].effort):
-                best[i] = trace
+    for i, one in enumerate(rivals):
+        if one.success and root_mean_square(one.effort) < root_mean_square(best[i].effort):
+            best[i] = one
     unadapted = {name: getattr(plan.score, name) for name in UNADAPTED}
     return plan._replace(score=replace(score(BOUNDS[1], best), **unadapted), traces=best)
 

@@ -1,6 +1,6 @@
 """Scores of extras in an evaluation: mean costs, and the relief of each cost."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,13 @@ Costs = Mapping[str, Mapping[str, Cost]]
 """Costs by policy and by the name of the cost."""
 
 
-def cost_of(scored: Mapping[str, Scored], policy: str, cost: str, least: float) -> Cost:
+def cost_of(
+    scored: Mapping[str, Scored],
+    policy: str,
+    cost: str,
+    least: float,
+    motion: Sequence[int] = (),
+) -> Cost:
     """Returns a cost of the motions of an evaluation; without references there is no relief.
 
     Args:
@@ -32,22 +38,26 @@ def cost_of(scored: Mapping[str, Scored], policy: str, cost: str, least: float) 
         policy: Name of a policy.
         cost: Name of the cost.
         least: Least cost of a suit for which relief has a meaning.
+        motion: Numbers of motions, of which equal ones are the same motion.
     """
     own, found = scored[policy].costs[cost], []
     for convention in own if all(name in scored for name in REFERENCES) else ():
         series = [scored[name].costs[cost][convention] for name in (*REFERENCES, policy)]
         finite = np.isfinite(series).all()
-        found.append((convention, relief_interval(*series, least=least) if finite else None))
+        one = relief_interval(*series, least=least, motion=motion) if finite else None
+        found.append((convention, one))
     values = [one.value for _, one in found if one is not None]
     between = (min(values), max(values)) if values and len(values) == len(found) else None
     return Cost(float(np.mean(own[STANDARD])), dict(found).get(STANDARD), between)
 
 
-def costs_of(name: str, scored: Mapping[str, Scored]) -> dict[str, dict[str, Cost]]:
-    """Returns all costs of a score, by policy."""
+def costs_of(
+    name: str, scored: Mapping[str, Scored], motion: Sequence[int] = ()
+) -> dict[str, dict[str, Cost]]:
+    """Returns all costs of a score, by policy; `motion` as in `cost_of`."""
     least = SCORES.find(name).least
     return {
-        policy: {cost: cost_of(scored, policy, cost, one) for cost, one in least.items()}
+        policy: {cost: cost_of(scored, policy, cost, one, motion) for cost, one in least.items()}
         for policy in scored
     }
 

@@ -4,6 +4,8 @@ Relief 0 is the suit without exoskeleton, 1 is no suit; above 1 the motors carry
 below 0 the exoskeleton is worse than none.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -35,9 +37,18 @@ def relief(
 
 
 def relief_interval(
-    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
+    unsuited: ArrayLike,
+    suited: ArrayLike,
+    effort: ArrayLike,
+    *,
+    least: float = LEAST_COST,
+    motion: Sequence[int] = (),
 ) -> Interval | None:
-    """Returns the mean of `relief` with the 95 % interval of a ratio of means; or None."""
+    """Returns the mean of `relief` with the 95 % interval of a ratio of means; or None.
+
+    Equal numbers in `motion` are of the same motion, as in `statistics.interval_of`.
+    """
     if relief(unsuited, suited, effort, least=least) is None:
         return None
-    return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))
+    series = np.subtract(suited, effort), np.subtract(suited, unsuited)
+    return ratio_interval(*series, motion=motion)

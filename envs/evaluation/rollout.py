@@ -12,7 +12,6 @@ from ...errors import InputError
 from ..interface.reward import cost_terms
 from ..person import strength_limits
 from ..policies.base import Policy
-from ..policies.guard import Guard
 from ..simulation.inverse_dynamics import Chain
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS
@@ -22,6 +21,7 @@ from .reasons import Reason, reasons
 
 SERIES = ("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque", "effort")
 SOME = {"cuff_force": (3, 3), "fatigue": (2, 4), "motor_load": (2,)}  # series that some arms lack
+NO_GUARD = np.zeros(0, np.int64)
 FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 
 
@@ -138,7 +138,7 @@ def rollout(
     policy.reset()
     measured, rewards, courses = [], [], []
     guarded, ends = np.zeros((2, len(seeds)), np.int64)  # control periods
-    failed = np.zeros(len(seeds), np.bool_)
+    failed, acted = np.zeros(len(seeds), np.bool_), NO_GUARD
     while (ends == 0).any():
         observation, reward, terminated, truncated, _ = arms.step(policy.act(observation))
         measured.append(arms.measured())
@@ -146,8 +146,9 @@ def rollout(
         courses.append(arms.episodes.costs.copy())
         ended = (ends == 0) & (terminated | truncated)
         ends[ended], failed[ended] = len(rewards), terminated[ended]
-        if isinstance(policy, Guard):
-            guarded[ended] = policy.acted[ended]
+        acted = getattr(policy, "acted", NO_GUARD)
+        if acted.size:
+            guarded[ended] = acted[ended]
     series, returns, costs = np.array(measured), np.array(rewards), np.array(courses)
     episodes, simulation = arms.episodes, arms.episodes.simulation
     state, found = simulation.state, []
@@ -168,7 +169,7 @@ def rollout(
             assist_energy=float(now[-1, COLUMNS["assist_energy"].start]),
             rewards=returns[:end, row],
             costs=cost_terms(costs[end - 1, row], end),
-            guarded=int(guarded[row]) if isinstance(policy, Guard) else None,
+            guarded=int(guarded[row]) if acted.size else None,
             why=reasons(now, costs[:end, row], episodes.task, lost=bool(failed[row])),
             limits=episodes.task.limits,
             terminated=bool(failed[row]),

@@ -20,6 +20,7 @@ Values = tuple[float, ...]
 REFERENCES = ("unsuited", "suited")
 UNADAPTED = ("unadapted_effort", "unadapted_tracking")  # of wearers who have learned nothing
 BEGINNING = 0.5  # s
+SAME_ANGLE = 1e-6  # rad
 TINY = 1e-9  # a sum of rewards that counts as none
 _ASSISTED = [JOINTS.index(joint) for joint in ASSISTED]
 
@@ -30,6 +31,8 @@ class Score:
 
     Attributes:
         policy: Name of the policy.
+        motion: Number of the first motion with the same intention: motions of different seeds may
+            be the same.
         effort: Root mean square, over time and four joints, of the wearer's torque over strength,
             with co-contraction.
         net_effort: The same of the net torque alone, without co-contraction.
@@ -69,6 +72,7 @@ class Score:
     """
 
     policy: str
+    motion: tuple[int, ...]
     effort: Values
     net_effort: Values
     assisted_effort: Values
@@ -99,18 +103,23 @@ class Score:
     unadapted_tracking: Values = ()
 
     @property
+    def distinct(self) -> int:
+        """Number of different motions."""
+        return len({*self.motion})
+
+    @property
     def human_rms(self) -> dict[str, float]:
         """Root mean square of the wearer's torque over all motions [N·m], by joint."""
         return {joint: root_mean_square(values) for joint, values in self.torque.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the score as plain values, with the units of its numbers under "units"."""
-        return {**asdict(self), "units": UNITS}
+        return {**asdict(self), "distinct": self.distinct, "units": UNITS}
 
 
 UNITS: dict[str, Any] = {
-    **dict.fromkeys(("effort", "net_effort", "assisted_effort", "unadapted_effort"), "1"),
-    "above_limit": "1",
+    **dict.fromkeys(("motion", "effort", "net_effort", "assisted_effort"), "1"),
+    **dict.fromkeys(("unadapted_effort", "above_limit"), "1"),
     **dict.fromkeys(("reward", "beginning", "smoothness", "guarded", "saturated", "fatigued"), "1"),
     **dict.fromkeys(("torque", "peak", "strength_left"), "N·m"),
     **dict.fromkeys(("tracking", "tracking_rmse", "unadapted_tracking"), "rad"),
@@ -151,6 +160,7 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
 
     return Score(
         policy=policy,
+        motion=same_motions(traces),
         effort=each(effort),
         net_effort=each(_net_effort),
         assisted_effort=each(lambda one: root_mean_square(one.effort[:, _ASSISTED])),
@@ -189,6 +199,31 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
 def _net_effort(trace: Trace) -> float:
     torque, (extensors, flexors) = trace.human_torque, np.moveaxis(trace.strength, 1, 0)
     return root_mean_square(torque / np.where(torque > 0, flexors, extensors))
+
+
+def same_motions(traces: Sequence[Trace]) -> tuple[int, ...]:
+    """Returns for each motion the number of the first motion with the same intention.
+
+    Intended angles that differ by at most 1e-6 rad are the same, in a motion that ended early as
+    far as it went.
+    """
+    found: list[int] = []
+    for i, one in enumerate(traces):
+        angle = one.target_angle
+        alike = (
+            j
+            for j, other in enumerate(traces[:i])
+            if found[j] == j
+            and np.allclose(*_cut(angle, other.target_angle), rtol=0, atol=SAME_ANGLE)
+        )
+        found.append(next(alike, i))
+    return tuple(found)
+
+
+def _cut(one: Array, other: Array) -> tuple[Array, Array]:
+    """Returns two series, both as long as the shorter one."""
+    samples = min(len(one), len(other))
+    return one[:samples], other[:samples]
 
 
 def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:

@@ -41,6 +41,23 @@ _WORDS = {
 }
 
 
+def motion_remarks(found: "Evaluation") -> Iterator[str]:
+    """Yields sentences about a drawn seed, policies that are not apart, and equal motions."""
+    if found.drawn:
+        yield (
+            f"the motions have the seeds from {found.first_seed}, drawn after the policies were "
+            f"given; seed {found.first_seed} repeats them"
+        )
+    if not found.apart:
+        yield "policies of your own had no processes of their own, so that they may have rehearsed"
+    score = next(iter(found.scores.values()))
+    if score.distinct < len(score.motion):
+        yield (
+            f"{len(score.motion)} motions are {score.distinct} different ones: intervals are over "
+            "these"
+        )
+
+
 def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
     """Yields a sentence for each policy with failed motions, frequent reasons first.
 

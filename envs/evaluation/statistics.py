@@ -10,7 +10,7 @@ variation of 0.3; the binomial error is 0.5 %. Percentile and BCa intervals of s
 the truth in only 91 to 94 % with 20 motions.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,7 +71,12 @@ def interval_text(one: Interval | None, form: str = "z.2f", *, lines: bool = Fal
     return f"{one.value:{form}}" + (f"\n{ends}" if lines else f" ({ends})")
 
 
-def interval_of(statistic: Statistic, *series: ArrayLike, **options: Any) -> Interval:
+def interval_of(
+    statistic: Statistic,
+    *series: ArrayLike,
+    motion: Sequence[int] = (),
+    **options: Any,
+) -> Interval:
     """Returns the bootstrap-t interval of a smooth function of means over motions.
 
     All series are resampled by the same motions, so that paired values stay paired. If all values
@@ -82,16 +87,32 @@ def interval_of(statistic: Statistic, *series: ArrayLike, **options: Any) -> Int
         statistic: A function of one mean for each series that works on arrays element by element,
             such as `lambda over, under: over / under` for a ratio of sums.
         *series: Values by motion, each of shape (motions,).
+        motion: Numbers of motions, of which equal ones are the same motion and count once, with
+            their mean; by default all motions differ. The interval of fewer than 8 different
+            motions is infinite.
         **options: `level` of confidence, 0.5 to 0.99, by default 0.95; number of `resamples`, by
             default 2,000; and their `seed`.
     """
     columns = _columns(**{f"series {i}": values for i, values in enumerate(series)})
+    if motion:
+        columns = [each_motion(motion, column) for column in columns]
+    if columns and columns[0].size < FEWEST_MOTIONS:
+        return Interval(float(statistic(*(one.mean() for one in columns))), -np.inf, np.inf)
 
     def estimate(index: NDArray[np.int64]) -> tuple[Array, Array]:
         return _jackknifed(statistic, [column[index] for column in columns])
 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return _bootstrap_t(estimate, columns[0].size, columns[0].size, **options)
+
+
+def each_motion(motion: Sequence[int], values: ArrayLike) -> Array:
+    """Returns the mean of the values of each different motion, shape (different motions,).
+
+    `motion` has the number of the motion of each value, as `Score.motion`.
+    """
+    known, given = np.asarray(motion), np.asarray(values, np.float64)
+    return np.array([given[known == one].mean() for one in np.unique(known)])
 
 
 def mean_interval(values: ArrayLike, **options: Any) -> Interval:

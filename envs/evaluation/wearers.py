@@ -62,7 +62,7 @@ class Wearers:
     def adapted(self, make: Callable[[], Policy], seeds: Sequence[int]) -> list[Trace]:
         """Returns motions of wearers who have learned these under the policy; raises `ArmLost`.
 
-        `make` makes a new policy for each rollout: only the wearers learn, not the policy.
+        `make` makes a policy for each rollout, which knows no other: only the wearers learn.
         """
         return self.learn(make, seeds)[1]
 
@@ -151,5 +151,14 @@ def smoothed(series: Sequence[Array], samples: int) -> Array:
     """
     from scipy.ndimage import gaussian_filter1d  # slow to import
 
-    found = [np.pad(one, ((1, samples - 1 - len(one)), (0, 0)), mode="edge") for one in series]
+    found = [padded(one, samples) for one in series]
     return gaussian_filter1d(np.array(found), SMOOTHING, axis=1, mode="nearest")
+
+
+def padded(series: Array, samples: int) -> Array:
+    """Returns a series with one more sample at its beginning, and its last value to the end.
+
+    The series has the shape (periods, ...), the result (samples, ...).
+    """
+    ends = (1, samples - 1 - len(series)), *[(0, 0)] * (series.ndim - 1)
+    return np.pad(series, ends, mode="edge")

@@ -26,7 +26,7 @@ class Policy(Protocol):
     class with the parameter `belief` gets a `Belief` of the options `suit`, `pressure`, `load` and
     `wearer`. A class attribute `sensors` names the sensor suites that the policy needs. A policy
     that learns over episodes has `practice`, the number of rollouts on other motions before the
-    policy is scored; without `practice`, each rollout of an evaluation gets a new policy.
+    policy is scored. Else a rollout carries nothing into another one: see docs/controllers.md.
     """
 
     def reset(self) -> None:

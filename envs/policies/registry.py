@@ -192,6 +192,13 @@ def believes(name: str) -> bool:
     return (name in POLICIES or ":" in name) and PolicyKind.of(name).believes
 
 
+def is_own(given: object) -> bool:
+    """Returns whether a policy, as `policy_spec` returns one, or a function is a user's code."""
+    if isinstance(given, PolicySpec):
+        return given.name not in POLICIES and PolicyKind.of(given.name).maker is not None
+    return callable(given)
+
+
 def needed_options(given: AnyPolicy) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 

@@ -1,5 +1,6 @@
 """`activesuit benchmark`: compares controllers over tasks, levels and suits."""
 
+from dataclasses import replace
 from json import loads
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -9,6 +10,7 @@ import tyro
 from ...envs.benchmark import BASELINE, SUITES, Leaderboard, Result, Suite, Trial, run_trial
 from ...envs.benchmark import suite as make_suite
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
+from ...envs.evaluation.run import drawn_seed
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
@@ -35,6 +37,7 @@ def benchmark(
     levels: tuple[Annotated[str, choice(level_names)], ...] = (),
     believed: tuple[str, ...] = (),
     motions: Annotated[int | None, optional_number("that of the suite", int)] = None,
+    seed: Annotated[int | None, optional_number("10000; drawn for your own policies", int)] = None,
     workers: int = -1,
     backend: Backend = "loky",
     out: Path | None = None,
@@ -59,6 +62,8 @@ def benchmark(
         levels: Names of levels, in place of the levels of the suite (run).
         believed: Suits that controllers believe in, in place of those of the suite (run).
         motions: Number of motions of each policy, at least 8 (run).
+        seed: Seed of the first motion (run). Policies of your own are scored in motions that are
+            drawn when the folder is begun; config.json has the seed, which repeats the run.
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
@@ -69,13 +74,16 @@ def benchmark(
         if results:
             raise InputError(f"run takes no results, and {str(results[0])!r} is given: use table")
         names = {"policies": policies, "tasks": tasks, "levels": levels, "believed": believed}
-        more = {"motions": motions, "options": environment, "trust": trust}
+        more = {"motions": motions, "seed": seed, "options": environment, "trust": trust}
         chosen = make_suite(suite, **names, **more)
+        out = out or Path("runs/benchmark")
+        if seed is None and chosen.has_own:
+            chosen = replace(chosen, first_seed=_begun(out).get("first_seed", drawn_seed()))
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
         if policies or believed or environment:
             chosen.check()
-        folder = _folder(out or Path("runs/benchmark"), chosen, force)
+        folder = _folder(out, chosen, force)
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)
         _report(found, folder, json, {**_plain(chosen), "backend": backend})
@@ -111,9 +119,7 @@ def _report(
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """Opens the folder of a benchmark, which may have trials already."""
-    wanted, path = _plain(chosen), out / CONFIG
-    present = read_json(path, "configuration of the benchmark") if path.exists() else None
-    begun = present if isinstance(present, dict) and "contract" in present else {}
+    wanted, begun = _plain(chosen), _begun(out)
     folder = RunFolder(out, force=force, resumes=bool(begun))
     if begun and begun != wanted:
         name = next(n for n in {**wanted, **begun} if begun.get(n) != wanted.get(n))
@@ -124,6 +130,13 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     folder.json(CONFIG, wanted)  # the first file: it identifies the benchmark in a later run
     folder.subfolder(TRIALS)
     return folder
+
+
+def _begun(out: Path) -> dict[str, Any]:
+    """Returns the configuration of the benchmark in a folder; empty if there is none."""
+    path = out / CONFIG
+    present = read_json(path, "configuration of the benchmark") if path.exists() else None
+    return present if isinstance(present, dict) and "contract" in present else {}
 
 
 def _plain(chosen: Suite) -> dict[str, Any]:

@@ -1,16 +1,15 @@
 """`activesuit evaluate`: compares policies on the same motions."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from ...checks import at_least, check_seed
-from ...envs.evaluation import FIRST_SEED
 from ...envs.evaluation import evaluate as evaluate_policies
 from ...envs.evaluation.compare import check_policy, named_policies
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.model.config import NO_SUIT
 from ..folders import RunFolder
-from ..options import EvaluatedName, Force, Json, Motions, Scores, Trust
+from ..options import EvaluatedName, Force, Json, Motions, Scores, Trust, optional_number
 from ..output import progress
 from ..scene import scene
 from ..writer import Report, conclude
@@ -21,7 +20,7 @@ USUAL_POLICIES = (*"none transparent gravity feedforward compensation best-known
 def evaluate(
     policies: tuple[EvaluatedName, ...] = USUAL_POLICIES,
     motions: Motions = 20,
-    seed: int = FIRST_SEED,
+    seed: Annotated[int | None, optional_number("10000; drawn for your own policies", int)] = None,
     unadapted: bool = False,
     score: Scores = (),
     out: Path | None = None,
@@ -40,14 +39,16 @@ def evaluate(
     Args:
         policies: Names of policies and bounds, or folders of training runs, which must have the
             same options.
-        seed: Seed of the first motion.
+        seed: Seed of the first motion. Policies of your own are scored in motions that are drawn
+            now; the report has the seed, which repeats the evaluation.
         unadapted: Score wearers who have never worn suit and exoskeleton, in place of wearers who
             have repeated each motion until they improve no more.
         out: Folder for result.json, the scores and the first motions as CSV, figures and
             report.html: a new or an empty folder.
     """
     at_least("motions", motions, 1)
-    check_seed(seed)
+    if seed is not None:
+        check_seed(seed)
     chosen = scene(options, policies=policies, trusted=trust)
     named_policies(chosen.policies)
     for policy in chosen.policies:
@@ -69,7 +70,7 @@ def evaluate(
             threads=0,
             **chosen.options,
         )
-    given = {"env": chosen.env, "motions": motions, "seed": seed, **chosen.options}
+    given = {"env": chosen.env, "motions": motions, "seed": found.first_seed, **chosen.options}
     place = f"{chosen.place}, {chosen.options['coupling']}, {motions} motions"
     report = Report.of(
         *(found, "Policies compared", place),

@@ -252,7 +252,7 @@ def test_a_diverged_episode_is_scored_as_failed(monkeypatch):
         return step(self, action)
 
     monkeypatch.setattr(ArmVectorEnv, "step", diverging)
-    fixed = {"motions": 2, "references": False, "adapted": False}
+    fixed = {"motions": 2, "references": False, "adapted": False, "apart": False}
     policies = {"none": "none", "saboteur": Saboteur}
     Saboteur.periods = -1
     found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **fixed).scores

@@ -36,7 +36,7 @@ def test_a_program_is_run_and_its_policy_is_scored(tmp_path, monkeypatch):
     found = measured("torchrl", sys.executable)
     assert found["rewards"] == {"4096": 0.25}
     assert found["versions"].keys() == {"numpy"}
-    relief = found["relief"]
+    relief = {name: one["relief"] for name, one in found["scores"].items()}
     assert relief.keys() == {*BESIDE, "my-torchrl"}
     assert relief["my-torchrl"]["value"] == pytest.approx(relief["none"]["value"], abs=0.01)
     assert relief["compensation"]["low"] > relief["none"]["high"]

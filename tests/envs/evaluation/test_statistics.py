@@ -139,3 +139,15 @@ def test_what_cannot_be_used():
         (lambda: interquartile_mean_interval("many"), "scores is no table of numbers: give the"),
     ]
     assert_refused(lambda call: call(), rows)
+
+
+def test_equal_motions_count_once():
+    values = np.random.default_rng(0).normal(size=10)
+    assert mean_interval(values, motion=range(10)) == mean_interval(values)
+    twice = np.repeat(values, 2)
+    doubled = mean_interval(twice, motion=np.repeat(range(10), 2).tolist())
+    assert doubled == mean_interval(values)
+    few = mean_interval(values, motion=[0, 1] * 5)
+    assert (few.low, few.high) == (-np.inf, np.inf) and few.value == pytest.approx(values.mean())
+    ratio = ratio_interval(values, values + 9, motion=[0, 1] * 5)
+    assert (ratio.low, ratio.high) == (-np.inf, np.inf)

@@ -142,7 +142,7 @@ def test_the_c_code_in_the_loop_relieves_as_the_policy_does(tmp_path, monkeypatc
     monkeypatch.delitem(sys.modules, "loop", raising=False)
     main(["export", "compensation", "--c", "--out", "compensation.h"])
     compiled(tmp_path, (tmp_path / "control.c").read_text(), "float", "control").rename("control")
-    options = {"motions": 8, "gravity": "earth", "max_episode_steps": 150}
+    options = {"motions": 8, "gravity": "earth", "max_episode_steps": 150, "apart": False}
     names = ["compensation", "loop:OnDevice"]
     found = evaluate("ActiveSuit/ElbowFlexion-v0", names, **options)
     policy, device = (found.relief(name).value for name in names)

@@ -3,7 +3,6 @@
 import json
 import re
 import sys
-import types
 from pathlib import Path
 
 import numpy as np
@@ -80,33 +79,39 @@ def test_a_belief_without_any_assisted_joint(tmp_path):
     assert_refused(make_policy, rows)
 
 
+OUTSIDE = """
+import numpy as np
+
+NUMBER = 3
+wrong = lambda arms: object()
+
+
+class Mine:
+    'Pushes.'
+
+    sensors = ("encoders", "interaction")
+
+    def __init__(self, plant, belief=None, *, gain: float = 0.1, bad: str = ""):
+        self.gain, self.bad = gain, bad
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        assert observation.shape[-1] == 16
+        if self.bad == "raise":
+            return 1 / 0
+        given = np.nan if self.bad == "nan" else self.gain
+        return np.full(3 if self.bad == "shape" else (*observation.shape[:-1], 2), given)
+"""
+
+
 @pytest.fixture
-def outside(monkeypatch):
-    module = types.ModuleType("outside")
-
-    class Mine:
-        """Pushes."""
-
-        sensors = ("encoders", "interaction")
-
-        def __init__(self, plant, belief=None, *, gain: float = 0.1, bad: str = ""):
-            self.gain, self.bad = gain, bad
-
-        def reset(self):
-            pass
-
-        def act(self, observation):
-            assert observation.shape[-1] == 16
-            if self.bad == "raise":
-                return 1 / 0
-            given = np.nan if self.bad == "nan" else self.gain
-            return np.full(3 if self.bad == "shape" else (*observation.shape[:-1], 2), given)
-
-    module.Mine = Mine
-    module.NUMBER = 3
-    module.wrong = lambda arms: object()
-    monkeypatch.setitem(sys.modules, "outside", module)
-    return module
+def outside(tmp_path, monkeypatch):
+    (tmp_path / "outside.py").write_text(OUTSIDE, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield
+    sys.modules.pop("outside", None)
 
 
 def test_a_class_from_outside_has_options_and_sensors(outside):

@@ -7,6 +7,7 @@ from types import ModuleType
 
 import pytest
 from activesuit.envs.benchmark import leaderboard, run_trial
+from activesuit.envs.evaluation.run import FIRST_DRAWN
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
 from helpers import BENCHMARK, fails, panels_of, run, short_benchmark
@@ -78,10 +79,16 @@ def test_a_policy_of_the_working_folder(capsys, tmp_path, monkeypatch):
     )
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "my_policies", raising=False)
     mine = ["my_policies:Fails:gain=2" if one == "compensation" else one for one in SMALL]
     out = run(capsys, *mine, "--out", tmp_path / "run")
     assert "my_policies:Fails:gain=2.0 failed in ElbowFlexion at nominal" in out
     assert "ZeroDivisionError" in out
+    # Its motions are drawn when the folder is begun, and stay.
+    config = json.loads((tmp_path / "run" / "config.json").read_text())
+    assert config["first_seed"] >= FIRST_DRAWN
+    assert f"because of the seeds from {config['first_seed']} these results" in out
+    assert run(capsys, *mine, "--out", tmp_path / "run") == out
 
 
 CANNOT = {"compensation:load=99": "the believed load is 99", "corrected": "cuffs"}
