@@ -34,7 +34,15 @@ FEWEST = 8  # length of the shortest list of one number for each motion, of whic
 DIGITS = 6  # number of significant digits that are kept
 KEPT = {  # fields of a score that pages may report
     *("policy", "effort", "torque", "tracking", "reward", "beginning", "success", "cuff_peak"),
-    *("net_effort", "relief", "net_relief", "share_of_bound", "unadapted_effort", "unadapted_tracking", "muscles"),
+    *(
+        "net_effort",
+        "relief",
+        "net_relief",
+        "share_of_bound",
+        "unadapted_effort",
+        "unadapted_tracking",
+        "muscles",
+    ),
     *("motion", "distinct", "assisted_effort", "assisted_relief", "chatter"),
 }
 BY_MOTION = ("motion", "effort", "assisted_effort", "tracking", "success", "chatter")

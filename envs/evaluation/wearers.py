@@ -72,8 +72,8 @@ class Wearers:
         """Returns the learned torques of adapted wearers, for `rollout`, and their motions."""
         learned = {TORQUE: self.learned_torque(make, seeds)}
         contraction = np.zeros_like(learned[TORQUE])
-        strength = self.arms.episodes.simulation.state.muscles.strength.min(axis=1)[:, None]
         traces = rollout(self.arms, make(), seeds, learned=learned)
+        strength = self.arms.episodes.simulation.state.muscles.strength.min(axis=1)[:, None]
         for _ in range(STIFFENINGS):
             before, contraction = contraction, self.contraction(traces, contraction)
             if root_mean_square((contraction - before) / strength) < CHANGE:
