@@ -18,6 +18,13 @@ Wolpert and Stein 1993, J. Mot. Behav. 25:203-216). If the rest of the error is 
 beyond the way that the intention covers in 0.17 s, the torque changes smoothly, within 0.2 s, by
 half of the torque that would remove the rest.
 
+A *persistent* wearer (an option) also pushes where the gear's dry friction holds a joint. If the
+intention has rested for 0.7 s, and a joint that is felt to be off does not approach the intention
+for 0.08 s, the torque rises by 5.2 times the friction in a second until the joint gives, and falls
+by the friction when the joint arrives. The friction is known: the wearer knows the exoskeleton.
+Such a wearer stiffens while an error is seen, and corrects by less each time that the error changes
+its side.
+
 A wearer *learns* the net load: a share of each torque that was needed is given in advance in the
 next repetition, and a smaller share is forgotten:
 
@@ -57,6 +64,9 @@ NOISE_SIZE = _by_joint("noise")
 RATE, FORGETTING = _VALUE["learning"], _VALUE["forgetting"]
 STIFFENING, RELAXING = _VALUE["stiffening"], _VALUE["relaxing"]
 HARDEST = _VALUE["contraction.most"]  # of strength
+_PERSISTENCE = [
+    one.removeprefix("persistence.") for one in _VALUE if one.startswith("persistence.")
+]
 LEAD = _VALUE["reflex.lead"]  # s
 # Stiffness [N·m/rad] and damping [N·m·s/rad] of an arm guided by stiff hands: those of version 0.1.
 STIFF = np.array([[250.0, 250.0, 120.0, 20.0], [26.0, 30.0, 10.0, 1.0]])
@@ -86,6 +96,10 @@ class VoluntaryControl:
         stiff: Whether the arm is guided along the intention by stiff hands instead, whose torque is
             that of inverse dynamics, the most that a person can learn. The other settings of
             impedance, reflex, correction and learning then have no effect.
+        persistent: Whether the wearer pushes where the gear's friction holds a joint off its place,
+            stiffens while an error is seen, and corrects by less while a joint swings. A push by
+            motors is then corrected within a second instead of four. In learned motions such a
+            wearer needs some 0.1 points of strength more (`docs/model.md` has the figures).
     """
 
     stiffness: float = setting(1.0, "times a typical person's", 0.25, 4)
@@ -98,10 +112,12 @@ class VoluntaryControl:
     noise: float = setting(0.0, "times a typical person's", 0, 10)
     tremor: float = setting(0.0, "of the torque", 0, 0.5)
     stiff: bool = False
+    persistent: bool = False
 
     def __post_init__(self) -> None:
         check_settings(self, "control.")
         flag("stiff", self.stiff)
+        flag("persistent", self.persistent)
 
     def periods(self, dt: float) -> int:
         """Returns the delay in control periods of `dt` [s]."""
@@ -160,6 +176,15 @@ class VoluntaryControl:
             "least": _VALUE["correction.least"],
             "late": _VALUE["correction.late"],
         }
+
+    def persistence(self, dt: float) -> dict[str, Any]:
+        """Returns the constants of a persistent wearer's law by their fields in `Persistence`.
+
+        The constants hold for control periods of `dt` [s].
+        """
+        of = {name: _VALUE[f"persistence.{name}"] for name in _PERSISTENCE}
+        late, window = (max(1, round(of.pop(name) / dt)) for name in ("felt", "window"))
+        return {"dt": dt, "late": late, "window": window, **of, "hardest": HARDEST}
 
     def learning(self, dt: float) -> dict[str, Any]:
         """Returns the constants of learning in control periods of `dt` [s].

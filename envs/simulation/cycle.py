@@ -41,11 +41,11 @@ def drive(row: int, arms: Arms) -> None:
 @njit(inline="always")
 def tire(row: int, now: Index, arms: Arms) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
-    physics, at, intention, muscles = arms.physics, arms.at, arms.intention, arms.muscles
+    physics, at, muscles = arms.physics, arms.at, arms.muscles
     fatigued = muscles.fatigued
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]]
-        opposed = muscles.impedance[row, COCONTRACTION, j] + contraction(row, now, j, intention)
+        opposed = muscles.impedance[row, COCONTRACTION, j] + contraction(row, now, j, arms)
         angle = physics.qpos[row, at.joints[j]]
         for way in range(2):
             sign = 1.0 if way == 1 else -1.0
@@ -65,10 +65,10 @@ def tire(row: int, now: Index, arms: Arms) -> None:
 @njit(inline="always")
 def strain(row: int, now: Index, arms: Arms) -> None:
     """Measures effort: the load of the more loaded muscle group over its strength at rest."""
-    physics, at, intention, muscles = arms.physics, arms.at, arms.intention, arms.muscles
+    physics, at, muscles = arms.physics, arms.at, arms.muscles
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]]
-        opposed = muscles.impedance[row, COCONTRACTION, j] + contraction(row, now, j, intention)
+        opposed = muscles.impedance[row, COCONTRACTION, j] + contraction(row, now, j, arms)
         angle, effort = physics.qpos[row, at.joints[j]], 0.0
         for way in range(2):
             pull = torque if way == 1 else -torque

@@ -118,7 +118,7 @@ def hold(rows: Whole, rest: Array, arms: Arms) -> None:
             needed = -rest[row, at.joints[j]]
             feedback.correction[row, j] = needed - arms.wearer.arm.torque[row, j]
             feedback.correction_goals[row, :, j] = feedback.correction[row, j]
-            tension = abs(needed) + contraction(row, np.int64(0), j, intention)
+            tension = abs(needed) + contraction(row, np.int64(0), j, arms)
             stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * tension
             damping = impedance[row, FIXED, j] + impedance[row, RELAXATION, j] * stiffness
             physics.biasprm[row, at.human[j], 1] = -stiffness

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
+from ...assets import JOINTS
 from ...checks import HIGHEST_SEED
 from ...errors import InputError, shown
 from ..model import ArmConfig
@@ -23,7 +24,7 @@ from .inverse_dynamics import Chain
 from .measurements import NOISES, WIDTH, Sensing, smoothing
 from .row_models import Variety
 from .structs import Motions, allocated, saved
-from .wearer_control import FEATURES
+from .wearer_control import FEATURES, PERSISTENCE
 
 
 def stream(seed: int, episode: int, purpose: str, part: int = 0) -> np.random.Generator:
@@ -112,6 +113,7 @@ def state_of(
         },
         **{"masses": samples if options.carries else 0, "muscle_draws": STRETCH if varies else 0},
         **{"sensor_draws": STRETCH if noisy else 0, "fault_draws": STRETCH if fails else 0},
+        "persistence": PERSISTENCE if control.persistent and not control.stiff else 0,
         "received": RECEPTION.size if fails else 0,
         "interaction_delay": 1 + (round(sensing.interaction_delay / dt) if noisy else 0),
     }
@@ -121,7 +123,17 @@ def state_of(
         intention=allocated(structs.Intention, sizes, motion=allocated(Motions, sizes)),
         wearer=structs.Wearer(
             arm=chain.rows(n),
-            feedback=allocated(structs.Feedback, sizes, **control.feedback(dt)),
+            feedback=allocated(
+                structs.Feedback,
+                sizes,
+                persistence=allocated(
+                    structs.Persistence,
+                    sizes,
+                    friction=np.array([motors[j].coulomb if j in motors else 0.0 for j in JOINTS]),
+                    **control.persistence(dt),
+                ),
+                **control.feedback(dt),
+            ),
             learning=allocated(structs.Learning, sizes, **control.learning(dt)),
             noise=allocated(
                 structs.MuscleNoise,

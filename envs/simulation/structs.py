@@ -168,6 +168,33 @@ class Learning(NamedTuple):
     ahead: int  # control periods by which the learned torque precedes the error
 
 
+class Persistence(NamedTuple):
+    """What a persistent wearer adds to the correction; the array is empty where none is."""
+
+    # Rows: time without approach [s], time since the intention rests [s], whether the wearer
+    # pushes or lets go, side of the push, torque of pushes [N·m], this torque before a push or
+    # after letting go [N·m], greatest error of the push [rad], share of the gain that swings have
+    # taken, last side of the seen error, co-contraction [N·m].
+    persistence: Annotated[Array, Saved("n persistence 4")]
+    friction: Array  # dry friction of the gears, which the wearer knows [N·m], (4,)
+    dt: float  # control period [s]
+    late: int  # age of the error that is felt [control periods]
+    window: int  # control periods over which its rate is felt
+    still: float  # rad/s
+    wait: float  # s
+    rest: float  # s
+    pace: float  # of the friction per s
+    most: float  # of the friction
+    ahead: float  # s
+    release: float  # N·m/s
+    fade: float  # s
+    calm: float  # share of the gain that one swing leaves
+    recovery: float  # s
+    stiffening: float  # N·m/(rad·s)
+    relaxing: float  # s
+    hardest: float  # greatest co-contraction, of strength
+
+
 class Feedback(NamedTuple):
     """The wearer's reflex and voluntary correction; delays are rings by step."""
 
@@ -184,6 +211,7 @@ class Feedback(NamedTuple):
     correction_periods: int  # control periods between two corrections, and of each
     least: float  # least error that is corrected [rad]
     late: float  # time by which the intention may be late [s]
+    persistence: Persistence
 
 
 class MuscleNoise(NamedTuple):

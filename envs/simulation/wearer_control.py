@@ -15,7 +15,11 @@ from .structs import Arms, Feedback, Index, Intention, MuscleNoise, Wearer
 BASE, SLOPE, DAMPING, RELAXATION, COCONTRACTION = range(5)
 # Entries of `recursion`: coefficients that advance noise and tremor by one control period.
 SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
+# Rows of `persistence`.
+STUCK, RESTED, PUSHES, SIDE, PUSHED, AIM, FARTHEST, CALMED, LAST_SIDE, HARDENED = range(10)
+PERSISTENCE = 10  # number of these rows
 FEATURES = 10  # number of features of the motion that predict the net load
+UNMOVED = 0.3  # [s], time at the start in which nobody pushes
 STILL = 0.05  # [rad/s], least rate of a motion with a direction
 
 
@@ -110,6 +114,83 @@ def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
             next_gains[row, j, k] += step * features[row, j, k]
 
 
+@inner
+def push(
+    row: int, step: int, joint: int, elastic: float, target_rate: float, feedback: Feedback
+) -> None:
+    """Advances a persistent wearer's push at a joint that the friction of a gear holds.
+
+    A push begins where the intention rests and a joint that is felt to be off does not approach
+    it. The torque rises until the joint gives, and falls by the friction as the joint arrives, to
+    the middle of the torques at which friction holds the joint. The push fades as the intention
+    moves on. `elastic` is the stiffness with the reflex [N·m/rad].
+    """
+    by, ring = feedback.persistence, feedback.correction_delay
+    memory, friction, dt = by.persistence, by.friction[joint], by.dt
+    if not friction > 0.0 or step * dt <= UNMOVED:
+        return
+    size, place = ring.shape[1], step % ring.shape[1]
+    felt = ring[row, (place - by.late) % size, joint]
+    before = ring[row, (place - by.late - by.window) % size, joint]
+    rate = target_rate - (felt - before) / (by.window * dt)
+    torque, side = memory[row, PUSHED, joint], memory[row, SIDE, joint]
+    memory[row, RESTED, joint] += dt
+    if abs(target_rate) > by.still:
+        memory[row, RESTED, joint] = memory[row, STUCK, joint] = 0.0
+        memory[row, PUSHES, joint] = 0.0
+        memory[row, PUSHED, joint] = torque - torque * min(1.0, dt / by.fade)
+        return
+    if memory[row, PUSHES, joint] == 0.0:
+        side = 1.0 if felt > 0.0 else -1.0
+        is_off = abs(felt) > feedback.least + feedback.late * abs(target_rate)
+        stuck = memory[row, STUCK, joint] + dt if is_off and side * rate < by.still else 0.0
+        memory[row, STUCK, joint] = stuck
+        if stuck > by.wait and memory[row, RESTED, joint] > by.rest:
+            memory[row, PUSHES, joint], memory[row, SIDE, joint] = 1.0, side
+            memory[row, AIM, joint], memory[row, FARTHEST, joint] = torque, abs(felt)
+        return
+    if memory[row, PUSHES, joint] == 1.0:
+        gone, far = side * (torque - memory[row, AIM, joint]), memory[row, FARTHEST, joint]
+        far = memory[row, FARTHEST, joint] = max(far, side * felt)
+        if side * felt - by.ahead * max(side * rate, 0.0) < feedback.least:
+            let_go = max(0.0, min(friction, gone - elastic * far))
+            memory[row, AIM, joint] = torque - side * let_go
+            memory[row, PUSHES, joint] = -1.0
+        elif side * rate < by.still and gone < by.most * friction:
+            torque += dt * side * by.pace * friction
+    if memory[row, PUSHES, joint] == -1.0:
+        change = memory[row, AIM, joint] - torque
+        change = max(-by.release * dt, min(change, by.release * dt))
+        torque += change
+        if change == 0.0:
+            memory[row, PUSHES, joint] = memory[row, STUCK, joint] = 0.0
+    memory[row, PUSHED, joint] = torque
+
+
+@inner
+def settle(
+    row: int, joint: int, seen: float, target_rate: float, hardest: float, feedback: Feedback
+) -> float:
+    """Advances a persistent wearer's co-contraction; returns the share of the gain that is left.
+
+    Each time that the seen error changes its side, the share falls. `hardest` is the greatest
+    co-contraction [N·m].
+    """
+    by = feedback.persistence
+    memory, dt = by.persistence, by.dt
+    if abs(seen) > feedback.least:
+        side = 1.0 if seen > 0.0 else -1.0
+        if memory[row, LAST_SIDE, joint] * side < 0.0:
+            memory[row, CALMED, joint] = 1.0 - (1.0 - memory[row, CALMED, joint]) * by.calm
+        memory[row, LAST_SIDE, joint] = side
+    memory[row, CALMED, joint] -= memory[row, CALMED, joint] * dt / by.recovery
+    over = max(0.0, abs(seen) - feedback.least - feedback.late * abs(target_rate))
+    hard = memory[row, HARDENED, joint]
+    hard += dt * (by.stiffening * over - hard / by.relaxing)
+    memory[row, HARDENED, joint] = min(hardest, hard)
+    return 1.0 - memory[row, CALMED, joint]
+
+
 @inner(forceinline=True)
 def correct(
     row: int,
@@ -129,27 +210,39 @@ def correct(
     place = step % feedback.correction_delay.shape[1]
     seen = feedback.correction_delay[row, place, joint]
     feedback.correction_delay[row, place, joint] = error
-    goals = feedback.correction_goals
+    goals, gain, pushes, pushed = feedback.correction_goals, feedback.correction_gain, False, 0.0
+    if feedback.persistence.persistence.shape[1] > 0:
+        elastic = stiffness * (1.0 + feedback.reflex_gain)
+        push(row, step, joint, elastic, target_rate, feedback)
+        hardest = 0.5 * (limits[1] - limits[0]) * feedback.persistence.hardest
+        gain *= settle(row, joint, seen, target_rate, hardest, feedback)
+        pushes = feedback.persistence.persistence[row, PUSHES, joint] != 0.0
+        pushed = feedback.persistence.persistence[row, PUSHED, joint]
     phase = step % feedback.correction_periods
     if phase == 0:
         elastic = stiffness * (1.0 + feedback.reflex_gain)
         remains = seen - (goals[row, 0, joint] - goals[row, 2, joint]) / elastic
         goals[row, 2, joint] = goals[row, 1, joint]
         goals[row, 1, joint] = goals[row, 0, joint]
-        if abs(remains) > feedback.least + feedback.late * abs(target_rate):
-            wanted = goals[row, 0, joint] + feedback.correction_gain * elastic * remains
+        if abs(remains) > feedback.least + feedback.late * abs(target_rate) and not pushes:
+            wanted = goals[row, 0, joint] + gain * elastic * remains
             goals[row, 0, joint] = max(limits[0], min(wanted, limits[1]))
     s = (phase + 1) / feedback.correction_periods
     share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     begin, end = goals[row, 1, joint], goals[row, 0, joint]
-    feedback.correction[row, joint] = begin + share * (end - begin)
+    feedback.correction[row, joint] = begin + share * (end - begin) + pushed
 
 
 @inner(forceinline=True)
-def contraction(row: int, sample: Index, joint: int, intention: Intention) -> float:
-    """Returns the co-contraction that was learned for a sample, beyond the usual [N·m]."""
-    learned = intention.learned_contraction
-    return learned[row, sample, joint] if learned.shape[1] > 0 else 0.0
+def contraction(row: int, sample: Index, joint: int, arms: Arms) -> float:
+    """Returns the co-contraction that was learned for a sample, and a persistent wearer's [N·m].
+
+    Both are beyond the usual co-contraction.
+    """
+    learned = arms.intention.learned_contraction
+    given = arms.wearer.feedback.persistence.persistence
+    contracted = learned[row, sample, joint] if learned.shape[1] > 0 else 0.0
+    return contracted + given[row, HARDENED, joint] if given.shape[1] > 0 else contracted
 
 
 @njit(inline="always")
@@ -181,7 +274,7 @@ def act(row: int, arms: Arms) -> None:
             else:
                 low = -most(isometric, way, j, q, -v)
         muscle = max(low, min(own + reflex[row, j] + correction[row, j], high))
-        tension = abs(muscle) + contraction(row, i, j, arms.intention)
+        tension = abs(muscle) + contraction(row, i, j, arms)
         stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * tension
         damping = impedance[row, DAMPING, j] + impedance[row, RELAXATION, j] * stiffness
         intrinsic = stiffness * error + damping * slip

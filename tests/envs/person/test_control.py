@@ -24,9 +24,10 @@ from activesuit.envs.person.control import (
 )
 from activesuit.envs.policies import make_policy
 from activesuit.envs.simulation.structs import MuscleNoise
-from activesuit.envs.simulation.wearer_control import vary
+from activesuit.envs.simulation.wearer_control import HARDENED, PERSISTENCE, vary
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
+from activesuit.errors import InputError
 from arms import addresses, go_on, physics, reported, state
 from helpers import assert_refused
 
@@ -168,6 +169,72 @@ def test_a_pushed_arm_is_back_within_a_second(joint, push, load):
     assert away[:50].max() > 0.012
     assert away[100] < 0.2 * push / 42 + 0.004  # the torque over stiffness and reflex
     assert np.ptp(away[-80:]) < 0.002
+
+
+def pushed(joint, push, periods, persistent, coupling="rigid", load=0.0):
+    """Returns displacement [rad] and the wearer's answer [N·m], both along a push, in 4 s.
+
+    The command of the exoskeleton is frozen. The push lasts for some control periods.
+    """
+    control, found = {"adaptation": 0.0, "persistent": persistent}, []
+    options = {"coupling": coupling, "gravity": "microgravity", "payload": {"mass": load}}
+    if coupling == "none":
+        options["suit"] = "none"
+    task, j = RandomMoves(name="Still", hold=BENT, duration=6.0), JOINTS.index(joint)
+    for torque in (0.0, push):
+        env = ArmEnv(task, control=control, **options)
+        observation, info = env.reset(seed=1)
+        command = make_policy("compensation" if coupling == "rigid" else "none", env)
+        action, courses = command.act(observation), []
+        for period in range(500):
+            now = torque * (100 <= period < 100 + periods)
+            physics(env, "qfrc_applied")[addresses(env).joints[j]] = now
+            info = env.step(action)[-1]
+            courses.append((info["angle"][j], -info["human_torque"][j]))
+        found.append(np.array(courses)[100:].T)
+    return np.sign(push) * (found[1] - found[0])
+
+
+@pytest.mark.parametrize(
+    ("joint", "push", "friction"), [("shoulder_flexion", 4.0, 3.0), ("elbow_flexion", -3.0, 2.0)]
+)
+def test_a_persistent_wearer_corrects_behind_the_friction_of_gears(joint, push, friction):
+    """The usual wearer leaves two thirds after a second; see the page of the model."""
+    for periods in (400, 30):
+        usual, _ = pushed(joint, push, periods, False)
+        away, answer = pushed(joint, push, periods, True)
+        if periods == 400:
+            assert usual[100] > 0.66 * usual.max()
+        assert abs(away[100]) < max(away.max() / 3, 0.012)
+        assert answer.max() < 1.25 * (abs(push) + friction)
+        assert away[-150:].std() < 0.004
+
+
+def test_a_persistent_wearer_calms_a_heavy_bare_arm():
+    usual, _ = pushed("shoulder_flexion", 4.0, 400, False, "none", 4.0)
+    away, _ = pushed("shoulder_flexion", 4.0, 400, True, "none", 4.0)
+    assert usual[-150:].std() > 0.04
+    assert away[-150:].std() < 0.01
+
+
+def test_persistence_has_state_only_where_a_wearer_is_persistent():
+    for control, rows in (
+        ({}, 0),
+        ({"persistent": True}, PERSISTENCE),
+        ({"persistent": True, "stiff": True}, 0),
+    ):
+        assert state(ArmEnv(STILL, control=control)).persistence.shape == (1, rows, 4)
+    with pytest.raises(InputError, match="persistent is 'no': use True or False"):
+        VoluntaryControl(persistent="no")
+
+
+def test_co_contraction_of_a_persistent_wearer_counts_as_effort():
+    env, efforts = ArmEnv(STILL, control={"persistent": True}, **BARE), []
+    env.reset(seed=0)
+    for hard in (0.0, 5.0):
+        state(env).persistence[:, HARDENED] = hard
+        efforts.append(env.step(np.zeros(0))[-1]["effort"])
+    assert (efforts[1] > efforts[0] + 0.02).all()
 
 
 def test_noise_and_tremor_have_the_stated_spectra():
