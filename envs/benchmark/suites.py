@@ -222,8 +222,8 @@ def where(setting: Setting) -> Setting:
     return setting._replace(believed=setting.true_suit) if setting.level == "shift" else setting
 
 
-# `corrected` needs cuffs; parts of `compensation` have their own tables.
-_OTHERS = ("oracle", "corrected", "transparent", "gravity", "complement")
+# `corrected` needs cuffs; parts and additions of `compensation` have their own tables.
+_OTHERS = ("oracle", "corrected", "transparent", "gravity", "complement", "inertial")
 _ALL = (*(name for name in POLICIES if name not in _OTHERS), *shipped_policies())
 
 

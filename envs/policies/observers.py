@@ -159,6 +159,47 @@ class ObserverAssist(ModelBased):
         return super().torque(seen) - self._observer.step(momentum, known + person_torque(seen))
 
 
+class Inertial(Compensation):
+    """Compensates, and carries a share of the inertia of suit, exoskeleton and load.
+
+    Law: compensation + s (p' - C'q'), with the believed momentum p, whose rate p' comes from a
+    critically damped low-pass of second order, and the torque C'q' of the motion itself.
+    Tuning rule: the share s is below 1, so that on a free arm the loop has a gain below 1 at every
+    frequency. Late torque excites a wearer who aims: the policy helps in fast motions, and harms
+    in slow ones with rests.
+    Source: Aguirre-Ollinger et al. 2011, Int. J. Robot. Res. 30(4): emulated inertia.
+
+    Args:
+        share: Share s of the inertia that the motors carry, 0 to 0.9.
+        bandwidth: Natural frequency of the low-pass [Hz], 0.5 to 20.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        belief: Belief | None = None,
+        *,
+        share: float = 0.6,
+        bandwidth: float = 5.0,
+    ) -> None:
+        super().__init__(plant, belief)
+        within("share", share, 0, 0.9)
+        within("bandwidth", bandwidth, 0.5, 20, " Hz")
+        self._inertia, self._share = plant.believed(belief).carried_inertia(), share
+        self._moving = SecondOrderLowPass(bandwidth, self.dt)
+
+    def begin(self, seen: Seen) -> None:
+        """Begins at the momentum of the first observation."""
+        super().begin(seen)
+        self._moving.begin(self._inertia.momentum(seen["angle"], seen["rate"])[0])
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns compensation and the share of the inertia's torque [N·m], shape (n, 2)."""
+        momentum, gyration = self._inertia.momentum(seen["angle"], seen["rate"])
+        _, changed = self._moving.step(momentum)
+        return super().torque(seen) + self._share * (changed - gyration)
+
+
 class DisturbanceObserver(Compensation):
     """Compensates, and cancels torques that the believed arm and suit do not explain.
 

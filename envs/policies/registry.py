@@ -32,6 +32,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "feedforward": model_based.HysteresisFeedforward,
     "complement": model_based.Complement,
     "compensation": model_based.Compensation,
+    "inertial": observers.Inertial,
     "adaptive": adaptive.Adaptive,
     "iterative": adaptive.IterativeLearning,
     "predictive": predictive.PredictiveSampling,

@@ -20,6 +20,7 @@ from activesuit.envs.policies.residual import Cohorts, ResidualPolicy, corrected
 from helpers import assert_refused, shorten_tasks
 from shown import asked
 
+INERTIAL = "inertial:share=0.5,bandwidth=20"
 NAIVE = {"references": False, "adapted": False}
 
 
@@ -221,3 +222,25 @@ def test_policies_that_no_network_can_correct_and_cards_with_code_or_files():
         ({"name": "compensation", "suit": "/tmp/x.json"}, "a card names shipped suits"),
     ]
     assert_refused(lambda policy: base_of(Residual(policy=policy, scale=0.3)), rows)
+
+
+def test_the_inertial_policy_carries_its_share_of_the_inertia():
+    """In slow sines the torque beside compensation is the share of M q'', some 16 ms late."""
+    plant = Plant.of(ArmEnv(gravity="microgravity").episodes)
+    base, more = map(lambda name: make_policy(name, plant), ("compensation", INERTIAL))
+    w, rest, size = np.pi, np.array([[0.0, 0.8, 1.1, 0.0]]), np.array([[0.0, 0.1, 0.15, 0.0]])
+    carried, given, wanted = plant.believed().carried_inertia(), [], []
+    for i in range(600):
+        time = plant.dt * i
+        seen = {
+            "angle": rest + size * (1 - np.cos(w * time)),
+            "rate": size * w * np.sin(w * time),
+        }
+        if i == 0:
+            base.begin(seen)
+            more.begin(seen)
+        given.append((more.torque(seen) - base.torque(seen))[0])
+        bend = size[0] * w**2 * np.cos(w * (time - 0.016))
+        wanted.append(0.5 * (carried(seen["angle"])[0] @ bend)[[1, 2]])
+    error = np.sqrt(np.mean(np.square(np.array(given) - wanted)[50:], axis=0))
+    assert (error < 0.2 * np.sqrt(np.mean(np.square(wanted), axis=0))).all()
