@@ -33,6 +33,7 @@ Topic = Literal[
     "sensitivity",
     "bound",
     "hindered",
+    "pushes",
     "settings",
     "muscles",
     "honesty",
@@ -65,7 +66,8 @@ def bench(
             first CUDA device where there is one; or sensitivity, which halves and doubles assumed
             numbers (about an hour); or bound, which changes the best known plan at random under
             wearers who adapt to each change (half an hour); or hindered, which locks and throws the
-            arm in every task; or settings, which compares policies in places, suits and couplings
+            arm in every task; or pushes, on arms of usual and persistent wearers (two
+            minutes); or settings, which compares policies in places, suits and couplings
             (eight minutes); or muscles, which compares MyoArm with our arm (needs the extra
             muscles); or honesty, which counts how often intervals, verdicts and searches of
             identify are right on random truths; or first-use, which compiles everything that a
@@ -139,6 +141,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         **{"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use},
         **{
             "hindered": _hindered,
+            "pushes": _pushes,
             "settings": _settings,
             "device": device.report,
             "muscles": _muscles,
@@ -230,6 +233,16 @@ def _hindered(json: bool) -> None:
         print(to_json({"tasks": [one.to_dict() for one in found]}))
     else:
         table("arms that are hindered", *hindered.hindered_table(found))
+
+
+def _pushes(json: bool) -> None:
+    from . import pushes
+
+    found = pushes.pushes()
+    if json:
+        print(to_json({"wearers": found}))
+    else:
+        table("pushes on held arms", *pushes.pushes_table(found))
 
 
 def _muscles(json: bool) -> None:

@@ -90,6 +90,7 @@ EXPERIMENTS = {
     "sensitivity": "bench sensitivity",
     "bound": "bench bound",
     "hindered": "bench hindered",
+    "pushes": "bench pushes",
     **{f"weightless-{name}": f"{_ALONE} {options}".strip() for name, options in TRAININGS.items()},
     "bench-muscles": "bench muscles",
     **{

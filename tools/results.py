@@ -5,6 +5,7 @@ from functools import cache
 from typing import Any
 
 from ..benchmarks.muscles import ArmWork, bare_table
+from ..benchmarks.pushes import pushes_table
 from ..envs.benchmark.results import read_results
 from ..envs.benchmark.standings import Standing, Standings
 from ..envs.evaluation import REFERENCES
@@ -119,6 +120,11 @@ def relief_at(policy: str, level: str) -> str:
     """Returns the mean relief of a policy at a level of the leaderboard, as "0.87"."""
     found = standing(policy, level).relief
     return "-" if found is None else signed(found.value)
+
+
+def pushes() -> str:
+    """Returns the table of pushed arms of usual and of persistent wearers."""
+    return markdown_table(*pushes_table(kept("pushes")["result"]["wearers"]))
 
 
 def muscle_bare() -> str:

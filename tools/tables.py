@@ -21,7 +21,7 @@ from ..errors import InputError, unknown_name
 from ..files import write_text
 from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
 from ..tables import markdown_table
-from .results import door, muscle_bare, reliefs
+from .results import door, muscle_bare, pushes, reliefs
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
@@ -159,6 +159,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "settings": reliefs,
     "bare": muscle_bare,
     "gains": gains,
+    "pushes": pushes,
     "algorithms": algorithms,
     "tasks": tasks,
     "sensor suites": sensor_suites,
