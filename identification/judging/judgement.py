@@ -194,8 +194,7 @@ def judge(
     own, squares = nrmse(whole, curves), float(rest.values @ rest.values)
     found = tuple(causes(rest)) if own > MATTERS else ()
     left = math.sqrt(squares / max(whole.size - reached.shape[1], 1))
-    nearby = float(np.linalg.norm(beside(independent(reached), whole)))  # by the derivatives
-    tiny = np.finfo(float).tiny
+    nearby, tiny = np.linalg.norm(beside(independent(reached), whole)), np.finfo(float).tiny
     judged = Judgement(
         times_noise=left / max(bound, tiny),
         misfit=misfit,
@@ -205,7 +204,7 @@ def judge(
         explained=math.sqrt(squares / whole.size) / min((x.left for x in found), default=np.inf),
         nrmse=own,
         constant=float(np.std(measured)) / curves.peak,
-        unfinished=float(np.linalg.norm(whole)) / max(nearby, tiny) if searched else 1.0,
+        unfinished=float(np.linalg.norm(whole) / max(nearby, tiny)) if searched else 1.0,
         baselines=baseline_errors(curves),
     )
     verdict = NOT_BEYOND if beyond else DESCRIBES
