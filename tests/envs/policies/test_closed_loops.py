@@ -214,7 +214,7 @@ def test_policies_that_no_network_can_correct_and_cards_with_code_or_files():
     rows = [
         ("compensator", "unknown policy 'compensator'"),
         ("activesuit.envs.policies:NoAssist", "unknown policy that a network corrects"),
-        ("compensation:gain=2", "unknown option of policy 'compensation'"),
+        ("compensation:power=2", "unknown option of policy 'compensation'"),
     ]
     assert_refused(lambda given: residual_of(given, 0.3), rows)
     rows = [
