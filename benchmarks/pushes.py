@@ -118,7 +118,9 @@ def pushes() -> list[dict[str, Any]]:
         for persistent in (False, True):
             row: dict[str, Any] = {"persistent": persistent}
             for name, cases in (("behind", BEHIND), ("bare", ALONE)):
-                bare = {} if name == "behind" else {"coupling": "none", "suit": "none"}
+                bare: dict[str, Any] = (
+                    {} if name == "behind" else {"coupling": "none", "suit": "none"}
+                )
                 found = []
                 for case in cases:
                     found += answers(persistent, **case, **bare)

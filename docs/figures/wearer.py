@@ -22,16 +22,16 @@ SWING = RandomMoves(
     hold={"shoulder_flexion": (0.4, 1.0)},
     duration=3.0,
 )
+GOMI_OSU = {SHOULDER: 11.0, ELBOW: 9.0}  # N·m/rad, stiffness without torque
 
 
 def stiffness(axis):
     """Draws stiffness over the torque of the muscles, with published values."""
     torque = np.linspace(0, 30, 2)
     for joint, name in ((SHOULDER, "shoulder"), (ELBOW, "elbow")):
-        alone, growth = VoluntaryControl(contraction=0).impedance(PERSON)[:2, joint]
-        ours = CONTROL.impedance(PERSON)[0, joint]
+        ours, growth = CONTROL.impedance(PERSON)[:2, joint]
         axis.plot(torque, ours + growth * torque, color=COLOR[joint], label=f"{name}, wearer")
-        axis.plot(torque, alone + growth * torque, "--", color=COLOR[joint], lw=1)
+        axis.plot(torque, GOMI_OSU[joint] + growth * torque, "--", color=COLOR[joint], lw=1)
     axis.plot([], [], "k--", lw=1, label="Gomi and Osu 1998, as cited by others, rounded")
     axis.plot(0, 25, "kx", label="Viviani 1976, movements")
     axis.set(title="Stiffness rises with torque", xlabel="|torque of the muscles| [N·m]")
